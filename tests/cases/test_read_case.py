@@ -300,8 +300,13 @@ ONE_MISTAKE = {
     ),
     "joint with a needless axis": (
         'kind = "fixed"',
-        'kind = "fixed"\naxis = [1, 0, 0]',
-        "a fixed joint takes no axis",
+        'kind = "ball"\naxis = [1, 0, 0]',
+        "a ball joint takes no axis",
+    ),
+    "a weld with an axis of length zero": (
+        'kind = "fixed"',
+        'kind = "fixed"\nx_axis = [0, 0, 0]',
+        "joint[2].x_axis: an axis of length zero has no dir",
     ),
     "axis of length zero": (
         "axis = [1, 0, 0]",

@@ -10,6 +10,7 @@ from supple.integrate import JOINT_COMPONENTS, FixedStep, Run
 from supple.machine import (
     GROUND,
     At,
+    Fixed,
     Placed,
     PrescribedRotation,
     Prismatic,
@@ -32,10 +33,10 @@ def link(name, at):
 
 @pytest.fixture(scope="module")
 def chain():
-    """Four links of which each hangs on the one before by another joint, and their motion."""
-    bodies = tuple(link(name, (0.4 * i, 0.1 * i, 0.0)) for i, name in enumerate("abcd"))
+    """Five links of which each hangs on the one before by another joint, and their motion."""
+    bodies = tuple(link(name, (0.4 * i, 0.1 * i, 0.0)) for i, name in enumerate("abcde"))
     ends = [(GROUND, At("a", "left"))] + [
-        (At(one, "right"), At(other, "left")) for one, other in zip("abc", "bcd", strict=True)
+        (At(one, "right"), At(other, "left")) for one, other in zip("abcd", "bcde", strict=True)
     ]
     joints = (
         Revolute(name="hinge", first=ends[0][0], second=ends[0][1], axis=(0.0, 1.0, 0.2)),
@@ -49,6 +50,9 @@ def chain():
         Prismatic(name="slide", first=ends[2][0], second=ends[2][1], axis=(0.3, 1.0, 0.5)),
         PrescribedRotation(
             name="motor", first=ends[3][0], second=ends[3][1], axis=(0.0, 0.0, 1.0), angle=Sine(0.5, 1.0)
+        ),
+        Fixed(
+            name="weld", first=ends[4][0], second=ends[4][1], axis=(0.2, -0.5, 0.8), x_axis=(1.0, 0.0, 0.0)
         ),
     )
     system = System(bodies, joints, gravity=GRAVITY)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, get_args
@@ -33,15 +33,22 @@ _KINDS: Mapping[str, type[machine.Joint]] = MappingProxyType(
 _RENAMED = {"first_axis": "axis", "angle": "law", "displacement": "law"}
 
 
-def _needed(kind: str) -> dict[str, str]:
-    """The keys that a kind of joint needs besides its ends, by the fields of its class."""
+def _known(kind: str) -> dict[str, str]:
+    """The keys that a kind of joint has besides its ends, by the fields of its class."""
     own = (each.name for each in fields(_KINDS[kind]) if each.name not in ("first", "second", "name"))
     return {name: _RENAMED.get(name, name) for name in own}
+
+
+def _needed(kind: str) -> set[str]:
+    """The keys among these without a default."""
+    needed = {each.name for each in fields(_KINDS[kind]) if each.default is MISSING}
+    return {key for name, key in _known(kind).items() if name in needed}
 
 
 _EXAMPLES = {
     "axis": "[1, 0, 0]",
     "second_axis": "[0, 1, 0]",
+    "x_axis": "[1, 0, 0]",
     "law": '{kind = "spin-up", speed = 1.0, duration = 10.0}',
 }
 
@@ -72,6 +79,7 @@ class JointTable(CheckedTable):
     first: End = Field(description="ground or BODY.INTERFACE")
     second: InterfaceOf = Field(description="BODY.INTERFACE")
     axis: Vector | None = Field(None, description="direction at the start, global axes, of any length")
+    x_axis: Vector | None = Field(None, description="fixed: x axis of the joint forces, global axes")
     second_axis: Vector | None = Field(None, description="universal: the other cross-pin axis, global axes")
     law: Law | None = Field(None, description="prescribed joints: angle or distance over time, rad or length")
     friction: Friction | None = Field(
@@ -85,7 +93,7 @@ class JointTable(CheckedTable):
 
     def build(self, folder: Path) -> machine.Joint:
         """The joint; `folder` contains the files of laws."""
-        own: dict[str, Any] = {name: getattr(self, key) for name, key in _needed(self.kind).items()}
+        own: dict[str, Any] = {name: getattr(self, key) for name, key in _known(self.kind).items()}
         own = {name: value.build(folder) if isinstance(value, Made) else value for name, value in own.items()}
         return _KINDS[self.kind](first=self.first, second=self.second, name=self.label, **own)
 
@@ -94,11 +102,11 @@ def _has_what_its_kind_needs(path: KeyPath, joint: Raw) -> Mistakes:
     kind = str(joint.get("kind"))
     if kind not in _KINDS:
         return
-    needed = _needed(kind).values()
+    needed, known = _needed(kind), _known(kind).values()
     for key, example in _EXAMPLES.items():
         if key in needed and key not in joint:
             yield path, f"a {kind} joint needs {key}; add {key} = {example}"
-        if key in joint and key not in needed:
+        if key in joint and key not in known:
             yield (*path, key), f"a {kind} joint takes no {key}; remove the key"
     friction = joint.get("friction")
     if isinstance(friction, Mapping):

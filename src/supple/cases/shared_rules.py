@@ -58,6 +58,6 @@ def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:
 
 def axes_with_length(path: KeyPath, raw: Raw) -> Mistakes:
     """The rule that a direction is not zero."""
-    for key in ("axis", "second_axis"):
+    for key in ("axis", "second_axis", "x_axis"):
         if raw.get(key) == [0, 0, 0]:
             yield (*path, key), "an axis of length zero has no direction; give for example [1, 0, 0]"

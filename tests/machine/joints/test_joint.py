@@ -122,6 +122,14 @@ def test_universal_joint_makes_its_axes_perpendicular():
     np.testing.assert_allclose(joint.initial_axes, np.eye(3), atol=1e-15)
 
 
+def test_forces_of_a_weld_may_have_the_axes_of_a_blade():
+    """Coned by 0.1 rad, at an azimuth of a third of a turn; x is the flapwise direction."""
+    blade = rotation_exp(jnp.array([2 * np.pi / 3, 0, 0])) @ rotation_exp(jnp.array([0, 0.1, 0]))
+    joint = Fixed(**ENDS, axis=tuple(blade[:, 2].tolist()), x_axis=(1, 0, 0))
+    np.testing.assert_allclose(joint.initial_axes, blade, atol=1e-15)
+    np.testing.assert_array_equal(Fixed(**ENDS).initial_axes, np.eye(3))
+
+
 def test_joints_name_themselves_after_their_ends():
     assert Ball(**ENDS).name == "ball ground - a.left"
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import jax
+import numpy as np
 
-from supple.machine.joints.joint import Joint, closing, relative_turn, stack
+from supple.machine.joints.joint import Joint, axes_along, closing, relative_turn, stack
 from supple.machine.pose import Pose
 
 __all__ = ["Fixed"]
@@ -20,6 +21,11 @@ class Fixed(Joint):
     With the ground as one end, the joint is a clamp.
     """
 
+    axis: tuple[float, float, float] | None = None
+    """Z axis of the joint forces in the initial configuration, global; default: global z."""
+    x_axis: tuple[float, float, float] | None = None
+    """Direction in the initial configuration, global; the x axis is as near it as possible."""
+
     n_constraints: ClassVar[int] = 6
     rows: ClassVar[tuple[str, ...]] = (
         "position x",
@@ -29,6 +35,11 @@ class Fixed(Joint):
         "rotation y",
         "rotation z",
     )
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along `axis`, x as near `x_axis` as possible; by default the global axes."""
+        return axes_along((0.0, 0.0, 1.0) if self.axis is None else self.axis, hint=self.x_axis)
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004
