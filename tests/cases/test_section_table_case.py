@@ -115,6 +115,19 @@ def test_without_condense_it_is_a_chain_of_beams(blade, tmp_path):
         assert found == pytest.approx(rest[station - 1, :3], abs=1e-2 * np.abs(rest).max())
 
 
+def test_a_table_in_si_belongs_to_a_case_in_si(blade, tmp_path):
+    """A CSV file has the units of the case."""
+    units = 'units = { length = "mm", time = "s", force = "N" }\n\n[[body]]'
+    assert read_case(blade(("[[body]]", units))).units.mass == "t"
+    for suffix in ("dat", "yaml"):
+        (tmp_path / f"blade.{suffix}").write_text("")
+        path = blade(("[[body]]", units), ("blade.csv", f"blade.{suffix}"))
+        with pytest.raises(CaseError, match="files are in m, kg and s, and units of the case mm, t: "):
+            read_case(path)
+        path.write_text(path.read_text().replace('"mm"', '"m"'))
+        assert read_case(path).units.mass == "kg"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "said"), [("check", "9 stations, mass 12;"), ("info", "section_table"), ("static", "Stable")]

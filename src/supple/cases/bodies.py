@@ -347,6 +347,7 @@ def _interfaces_have_names(path: KeyPath, body: Raw) -> Mistakes:
 RULES = (
     _bodies_are_there,
     lambda raw: usable_names(raw, "body"),
+    section_table.tables_are_in_units_of_the_case,
     on_each(
         "body",
         _is_of_one_kind,

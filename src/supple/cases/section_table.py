@@ -9,9 +9,14 @@ from supple.body import Damping
 from supple.cases.body_kinds import SectionTableFile, kind_of
 from supple.cases.condense import Condense, is_condensed
 from supple.cases.interfaces import InterfaceTable
+from supple.errors import ModelError
 from supple.importers import SECTION_SUFFIXES, read_section_table
 from supple.importers.toml import KeyPath, Mistakes, Raw, table, tables
 from supple.methods.intrinsic import IntrinsicBody, section_line
+from supple.units import SI, UnitSystem
+
+IN_SI = [suffix for suffix in SECTION_SUFFIXES if suffix != ".csv"]
+"""Suffixes of windIO and BeamDyn files, whose numbers are in m, kg and s."""
 
 
 def line_of_sections(
@@ -59,6 +64,27 @@ def _interfaces_are_stations(path: KeyPath, body: Raw) -> Iterator[tuple[KeyPath
         elif isinstance(last, int) and isinstance(own[0], int) and not 0 <= own[0] < last:
             message = f"station {own[0]} does not exist: give one from 0 (the root) to {last - 1}"
             yield (*place, "node_indices"), message
+
+
+def tables_are_in_units_of_the_case(raw: Raw) -> Mistakes:
+    """The rule that a table in the SI units of its format belongs to a case in these units, or in none."""
+    given = table(raw, "units")
+    try:
+        units = UnitSystem.stated({key: str(unit) for key, unit in given.items()})
+    except ModelError:
+        return  # reported elsewhere
+    pairs = zip((units.length, units.mass, units.time), (SI.length, SI.mass, SI.time), strict=True)
+    others = [stated for stated, own in pairs if stated not in ("", own)]
+    if not others:
+        return
+    for path, body in tables(raw, "body"):
+        name = body.get("section_table")
+        if isinstance(name, str) and Path(name).suffix.lower() in IN_SI:
+            yield (
+                (*path, "section_table"),
+                f"windIO and BeamDyn files are in m, kg and s, and units of the case {', '.join(others)}: "
+                "give the case in m, kg and s, or the table as .csv in the units of the case",
+            )
 
 
 RULES_OF_BODY = (_is_a_line,)
