@@ -48,6 +48,19 @@ def test_one_harmonic():
     np.testing.assert_allclose(series.at([0.0, 0.5]), [1.0, -np.sqrt(3)])
 
 
+def test_a_gust_takes_the_place_of_turbulence():
+    """The extreme operating gust of IEC 61400-1 rises by 0.74 V_gust at half its duration of 10.5 s."""
+
+    class Gust:
+        def at(self, times):
+            t = np.clip(np.asarray(times) - 2.0, 0, 10.5) / 10.5
+            return -0.37 * 8.0 * np.sin(3 * np.pi * t) * (1 - np.cos(2 * np.pi * t))
+
+    wind = Wind(mean_speed=12.0, shear=PowerLawShear(hub_height=90.0), turbulence=Gust())
+    speed = wind.along_blade([0.0, 2.0 + 5.25, 20.0], radius=[30.0], azimuth=np.full(3, np.pi / 2))
+    np.testing.assert_allclose(speed[:, 0], [12.0, 12.0 + 0.74 * 8.0, 12.0])
+
+
 def test_shear_along_a_turning_blade():
     wind = Wind(mean_speed=10.0, shear=PowerLawShear(hub_height=80.0, exponent=0.5))
     speeds = wind.along_blade([0.0, 1.0, 2.0], radius=[0.0, 60.0], azimuth=[0.0, np.pi / 2, np.pi])

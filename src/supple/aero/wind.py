@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from supple.algebra.read_only import read_only
 from supple.errors import ModelError
 
-__all__ = ["HarmonicSeries", "PowerLawShear", "Wind", "golden_phases", "kaimal_series", "random_phases"]
+__all__ = [
+    "HarmonicSeries",
+    "PowerLawShear",
+    "SpeedHistory",
+    "Wind",
+    "golden_phases",
+    "kaimal_series",
+    "random_phases",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -120,13 +129,21 @@ def random_phases(n: int, *, seed: int) -> FloatArray:
     return np.random.default_rng(seed).uniform(0, 2 * np.pi, n)
 
 
+class SpeedHistory(Protocol):
+    """A speed over time, such as `HarmonicSeries`, a gust, or a measured series."""
+
+    def at(self, times: ArrayLike) -> FloatArray:
+        """Speed u (t,) at the times (t,)."""
+        ...
+
+
 @dataclass(frozen=True, kw_only=True)
 class Wind:
     """Axial wind V = (mean_speed + u(t)) shear.factor(height); without turbulence u = 0."""
 
     mean_speed: float
     shear: PowerLawShear
-    turbulence: HarmonicSeries | None = None
+    turbulence: SpeedHistory | None = None
 
     def __post_init__(self) -> None:
         if not (isfinite(self.mean_speed) and self.mean_speed > 0):
