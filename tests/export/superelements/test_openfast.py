@@ -1,8 +1,10 @@
 """Files for OpenFAST are read back: ExtPtfm's as its source reads them, BeamDyn's by this library."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from scipy.linalg import eigvalsh
+from scipy.linalg import block_diag, eigvalsh
 
 from supple.errors import ModelError
 from supple.export import write_beamdyn, write_extptfm
@@ -38,6 +40,23 @@ def test_extptfm_reads_the_superelement_clamped_elsewhere(form, craig_bampton, t
     np.testing.assert_allclose(found["LOADING"][0, 1:], expected, atol=1e-9 * abs(expected).max())
     with pytest.raises(ModelError, match="no interface 'tap'"):
         write_extptfm(path, form, "tap")
+
+
+@pytest.mark.parametrize("n", [200, 300])
+def test_loads_fit_in_the_lines_that_extptfm_reads(form, n, tmp_path):
+    """Its source reads 4096 characters of a line, and allows for outputs of 200 modes."""
+    modes = np.eye(n) * 1e6
+    blocks = {
+        name: block_diag(getattr(form, name)[:12, :12], modes) for name in ("stiffness", "mass", "damping")
+    }
+    large = replace(form, **blocks, to_body=np.zeros((6, 12 + n)))
+    if n == 300:
+        with pytest.raises(ModelError, match=r"306 coordinates has \d+: keep fewer modes"):
+            write_extptfm(tmp_path / "tower.dat", large, "far tip/µ")
+        return
+    path = write_extptfm(tmp_path / "tower.dat", large, "far tip/µ", gravity=(0, 0, -9.81))
+    assert max(map(len, path.read_text().splitlines()[-2:])) <= 4096
+    assert read_extptfm(path)["LOADING"].shape == (2, 207)
 
 
 def test_extptfm_reads_a_superelement_on_springs(form, tmp_path):

@@ -25,6 +25,8 @@ Springs = Mapping[str, tuple[Array, Array]]
 
 _LAST_TIME = 1e5
 """Last time of the constant loads, s."""
+_LONGEST_LINE = 4096
+"""Number of characters of a line of loads that ExtPtfm reads."""
 
 
 def write_extptfm(
@@ -49,7 +51,7 @@ def write_extptfm(
 
     Raises
     ------
-    ModelError          an unknown interface
+    ModelError          an unknown interface; more coordinates than ExtPtfm reads from a line of loads
     ResultFileError     the file cannot be written
     """
     matrices, columns = _supported(form, interface, springs or {})
@@ -67,7 +69,12 @@ def write_extptfm(
         lines += ["", f"!{name} Matrix", f"!Dimension: {n}", *_rows(matrix)]
     weight = columns.T @ form.mass @ _translations(form) @ np.asarray(gravity, dtype=float)
     lines += ["", "!Loading and Wave Elevation", f"!Dimension: 1 time column -  {n} force columns"]
-    lines += _rows(np.column_stack([[0.0, _LAST_TIME], np.tile(weight, (2, 1))]))
+    lines += _rows(np.column_stack([[0.0, _LAST_TIME], np.tile(weight, (2, 1))]), digits=10)
+    if len(lines[-1]) > _LONGEST_LINE:
+        raise ModelError(
+            f"body '{form.name}': ExtPtfm reads {_LONGEST_LINE} characters of a line of loads, and that "
+            f"of {n} coordinates has {len(lines[-1])}: keep fewer modes"
+        )
     return write_ascii(path, lines)
 
 
@@ -117,5 +124,5 @@ def _translations(form: InterfaceForm) -> Array:
     return motion
 
 
-def _rows(matrix: Array) -> list[str]:
-    return [" ".join(f"{value:24.16e}" for value in row) for row in matrix]
+def _rows(matrix: Array, digits: int = 16) -> list[str]:
+    return [" ".join(f"{value: .{digits}e}" for value in row) for row in matrix]
