@@ -193,6 +193,30 @@ def test_a_body_of_sections_is_written_for_beamdyn(tmp_path):
         np.testing.assert_allclose(its, mine, rtol=1e-9, atol=1e-9 * abs(mine).max())
 
 
+@pytest.mark.parametrize(
+    ("damping", "said", "written"),
+    [
+        ('kind = "rayleigh", alpha = 0.0, beta = 0.003', "written to", ["1", *["0.003"] * 6]),
+        ('kind = "rayleigh", alpha = 0.1, beta = 0.003', "no damping was written", ["0", *["0"] * 6]),
+        ('kind = "modal", ratio = 0.01', "no damping was written", ["0", *["0"] * 6]),
+    ],
+)
+def test_damping_by_strain_rate_is_that_of_beamdyn(tmp_path, damping, said, written):
+    """BeamDyn's mu is the ratio of damping to stiffness of each strain, in s."""
+    stiffness = np.diag([1e9, 1e9, 1e10, 2e8, 2e8, 1e8])[None].repeat(3, axis=0)
+    inertia = np.diag([50.0, 50.0, 50.0, 0.5, 0.5, 1.0])[None].repeat(3, axis=0)
+    places = np.linspace(0, 1, 3)[:, None] * np.array([0, 0, 20.0])
+    table = SectionTable(places, np.tile(np.eye(3), (3, 1, 1)), stiffness, inertia)
+    write_beamdyn(tmp_path / "given.dat", table)
+    case = BLADE.replace("stations = 9 }", f"stations = 9 }}\ndamping = {{ {damping} }}")
+    (tmp_path / "blade.toml").write_text(case)
+    result = exported(tmp_path / "blade.toml", "-o", tmp_path / "again.dat")
+    assert said in " ".join(result.output.split())
+    lines = (tmp_path / "again_blade.dat").read_text().splitlines()
+    kind = next(k for k, line in enumerate(lines) if "damp_type" in line)
+    assert [lines[kind].split()[0], *lines[kind + 4].split()] == written
+
+
 def test_the_blade_file_of_the_case_is_not_replaced(tmp_path):
     """BeamDyn's primary file names its blade file: the target may be new and the file beside it not."""
     one = np.eye(6)[None].repeat(3, axis=0)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from supple.body import BodyForm
+from supple.body import BodyForm, RayleighDamping
 from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
 from supple.cases.static_case import assembled_system
@@ -159,10 +159,17 @@ def _write_blade(target: Path, case: Case, body: IntrinsicBody) -> None:
         )
     held, values = body.stated_frequencies()
     title = f"{body.name}: frequencies for comparison, {held}, cycles per unit of time: {_listed(values)}"
+    damping = body.damping
+    by_strain = isinstance(damping, RayleighDamping) and damping.alpha == 0
     primary, blade = write_beamdyn(
-        target, read_section_table(case.folder / table.section_table), title=[title]
+        target,
+        read_section_table(case.folder / table.section_table),
+        title=[title],
+        beta=damping.beta if by_strain else 0.0,
     )
     say(title)
+    if damping is not None and not by_strain:
+        say("no damping was written: BeamDyn takes that of kind 'rayleigh' with alpha = 0")
     say(f"written to {primary} and {blade}")
 
 

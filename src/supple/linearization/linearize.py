@@ -265,7 +265,8 @@ def _refusal(what: str, change: float) -> str:
         f"the linear equations change as the machine rotates by {_TURNED_ON:g} rad (the {what} by "
         f"{change:.2g} of its size), and neither standing axes nor Floquet theory apply. Remove what "
         "causes the change: gravity or loads normal to the axis, unbalance of rotors, controllers, full "
-        "bodies, or joints whose free motions depend on the angle; or list the rotating bodies, Spin(bodies=..)"
+        "bodies, or joints whose free motions depend on the angle; or list the rotating bodies, "
+        "Spin(bodies=..)"
     )
 
 

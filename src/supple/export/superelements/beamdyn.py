@@ -61,13 +61,16 @@ END of input file (the word "END" must appear in the first 3 columns of this las
 ---------------------------------------------------------------------------------------"""
 
 
-def write_beamdyn(path: Path | str, table: SectionTable, *, title: Sequence[str] = ()) -> tuple[Path, Path]:
+def write_beamdyn(
+    path: Path | str, table: SectionTable, *, title: Sequence[str] = (), beta: float = 0.0
+) -> tuple[Path, Path]:
     """Write a blade for BeamDyn: the primary file and `NAME_blade.dat` beside it; returns both paths.
 
     Every section is a key point. BeamDyn's blade axes are those of the table: z from the root to the tip,
-    x to the suction side, the root at the origin. No damping is written.
+    x to the suction side, the root at the origin.
 
     title : lines for the headers of the files, such as reference frequencies
+    beta : damping by strain rate, s: coefficient of the stiffness, for all six strains
 
     Raises
     ------
@@ -84,7 +87,7 @@ def write_beamdyn(path: Path | str, table: SectionTable, *, title: Sequence[str]
     twist = _twist(table)
     primary, blade = Path(path), blade_file_of(path)
     lines = _primary(np.column_stack([places, np.degrees(twist)]), blade.name, title)
-    return write_ascii(primary, lines), write_ascii(blade, _blade(table, title))
+    return write_ascii(primary, lines), write_ascii(blade, _blade(table, title, beta))
 
 
 def blade_file_of(path: Path | str) -> Path:
@@ -132,17 +135,17 @@ def _primary(points: Array, blade: str, title: Sequence[str]) -> list[str]:
     ]
 
 
-def _blade(table: SectionTable, title: Sequence[str]) -> list[str]:
+def _blade(table: SectionTable, title: Sequence[str], beta: float) -> list[str]:
     lines = [
         " ------- BEAMDYN INDIVIDUAL BLADE INPUT FILE --------------------------",
         _one_line(title),
         " ---------------------- BLADE PARAMETERS --------------------------------------",
         f"{table.n:5d}   station_total    - Number of blade input stations (-)",
-        "    0   damp_type        - Damping type: 0: no damping; 1: damped",
+        f"    {int(beta > 0)}   damp_type        - Damping type: 0: no damping; 1: damped",
         " ---------------------- DAMPING COEFFICIENT------------------------------------",
         "   mu1        mu2        mu3        mu4        mu5        mu6",
         "   (-)        (-)        (-)        (-)        (-)        (-)",
-        "   0.0        0.0        0.0        0.0        0.0        0.0",
+        "".join(f"   {beta:.9g}" for _ in range(6)),
         " ---------------------- DISTRIBUTED PROPERTIES---------------------------------",
     ]
     shares = table.lengths / table.lengths[-1]
