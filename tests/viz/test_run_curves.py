@@ -196,6 +196,7 @@ def test_names_of_multiples_are_on_their_lines(figure, tmp_path, rates):
     )
     plot_campbell(tmp_path / "a.png", followed, units=SI)
     (axes,) = figure.axes
+    assert axes.get_lines()[-1].get_zorder() > axes.texts[0].get_zorder()  # no name covers a mode
     for text, line in zip(axes.texts[:4], axes.get_lines(), strict=False):
         (x, y), ascending = text.xy, np.argsort(line.get_xdata())
         assert y == pytest.approx(np.interp(x, line.get_xdata()[ascending], line.get_ydata()[ascending]))

@@ -121,7 +121,7 @@ def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
         y = np.interp(x, speeds[ascending], order * orders[ascending])
         on_line = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
         axes.annotate(
-            f"{order}P", (x, y), color="0.4", fontsize=7, ha="center", va="center", bbox=on_line, zorder=3.0
+            f"{order}P", (x, y), color="0.4", fontsize=7, ha="center", va="center", bbox=on_line, zorder=2.2
         )
 
 
@@ -135,7 +135,7 @@ def _draw_modes(axes: Axes, speeds: Array, frequencies: Array, names: Sequence[s
     heights = _apart(np.array([mode[end] for _, mode, end in followed]), top)
     for rank, ((name, mode, end), height) in enumerate(zip(followed, heights.tolist(), strict=True)):
         colour = COLOURS[rank % len(COLOURS)]
-        axes.plot(speeds, mode, marker="o", markersize=2.5, color=colour)
+        axes.plot(speeds, mode, marker="o", markersize=2.5, color=colour, zorder=2.5)  # over names of orders
         axes.annotate(
             name,
             (speeds[end], height),
