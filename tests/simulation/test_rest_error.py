@@ -215,7 +215,7 @@ def test_a_place_that_no_joint_holds_has_no_error_of_position(spun):
 
 def test_a_full_body_without_a_reduced_one_is_refused(bar):
     other = RigidBody("bar", 1.0, np.zeros(3), np.eye(3), {"root": np.zeros(3)})
-    with pytest.raises(ModelError, match="body 'bar' is rigid, and errors at rest are those of reduced"):
+    with pytest.raises(ModelError, match="body 'bar' is rigid, but errors at rest are estimated for reduced"):
         equilibrium(turned(other), fulls=[FullBody(bar, ROOT)])
     with pytest.raises(ModelError, match="there is no body 'bar'"):
         equilibrium(System((replace(other, name="rod"),)), fulls=[FullBody(bar, ROOT)])

@@ -72,8 +72,8 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
     root of
         sin phi / (1 - a) omega r - cos phi / (1 + a') V = 0
     in (0, pi/2]. It is found by bracketing, because fixed-point iteration diverges at high tip-speed ratios.
-    In this form the function is finite and continuous in (0, pi/2], and for sections with drag negative
-    near 0.
+    In this form the function is finite and continuous in (0, pi/2]. If the section has drag, the function
+    is negative near phi = 0.
     With the air density rho and the relative wind speed W,
         F_N = rho/2 W^2 c C_n,   F_T = rho/2 W^2 c C_t,   W^2 = (V (1 - a))^2 + (omega r (1 + a'))^2.
 

@@ -27,7 +27,8 @@ CLOSE = 1e-5
 # Residual of a mode in its equation: the error of its eigenvalue is of the order of the squared residual.
 LARGEST_RESIDUAL = 1e-7
 
-# Krylov vectors that usually suffice: some blocks, plus some per requested mode; and the growth otherwise.
+# Number of Krylov vectors: some blocks, and some vectors per requested mode. If too few modes converge, the
+# number grows by at least SMALLEST_GROWTH.
 FIRST_BLOCKS = 9
 VECTORS_PER_MODE = 2.65
 SMALLEST_GROWTH = 1.05
@@ -157,7 +158,7 @@ class GrowingModes:
             fresh[:, first - done : m - done] = self.next_block
             basis = self.basis.with_block(fresh[:, : m - done])
             images = self.inverse.solve(self.next_inertia)
-            # First against the two blocks that the recurrence couples, then against the remaining round-off.
+            # Orthogonalise against the last two blocks (Lanczos recurrence), then against all (round-off).
             coupled = TallMatrix((self.last_block, self.next_block))
             parts = TallMatrix((self.last_inertia, self.next_inertia)).transposed_times(images)
             images -= coupled.times(parts)
@@ -198,5 +199,5 @@ class GrowingModes:
 
 
 def _fills_a_block(values: Array, width: int) -> bool:
-    """Whether as many values as a block has columns are equal: there may be more copies."""
+    """Whether `width` of the values are equal: this eigenvalue may then have more copies than were found."""
     return bool(np.any(values[width - 1 :] <= (1 + CLOSE) * values[: max(values.size - width + 1, 0)]))

@@ -22,7 +22,7 @@ from supple.reduction.reduction_basis import ReductionBasis, reduction_basis
 __all__ = ["reduce"]
 
 LARGEST_SHEAR = 0.01
-"""Ratio of shear to strain energy in the lowest mode, above which walls rigid in shear cause a warning."""
+"""Largest ratio of neglected shear energy to strain energy, in the lowest mode, without a warning."""
 
 
 @checked_arguments
@@ -60,7 +60,7 @@ def reduce(
     Raises
     ------
     ModelError           too many modes or derivatives; no interface; a linear body with derivatives
-    AccuracyError        the basis or the Gram matrix violates its own identities
+    AccuracyError        V^T M V = I or D V = 0 is violated by the basis, or by the Gram matrix of the inertia
     MemoryShortageError  the tensors would exceed the available memory
     Warns LockingWarning when the static response is too small because the columns lack stiff motion;
     ValidityWarning when the walls are rigid in transverse shear, although shear would contribute more than a

@@ -154,8 +154,8 @@ def known_fulls(
         body = system.placed(name, "fulls").body
         if body.kind not in ("reduced", "full"):
             raise ModelError(
-                f"fulls: body '{name}' is {body.kind}, and errors at rest are those of reduced bodies: "
-                "leave it out"
+                f"fulls: body '{name}' is {body.kind}, but errors at rest are estimated for reduced bodies "
+                "only: leave it out"
             )
     return given
 

@@ -64,8 +64,8 @@ def simulate(
 
     Warns
     -----
-    ValidityWarning             a motion beyond the limits of the kinematics, or an angle beyond that of a
-                                force element
+    ValidityWarning             a motion beyond the limits of the kinematics, or an angle of a force element
+                                beyond half a revolution
     StartWarning                initial positions or velocities that the joints do not allow
     ResolutionWarning           time steps or output times that do not resolve loads or motions
     StepCutWarning              fixed steps that did not converge and were shortened

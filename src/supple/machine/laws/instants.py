@@ -20,9 +20,9 @@ __all__ = [
 ]
 
 BENDS = 1e-6
-"""A jump d of the derivative of order n is a kink if d h^n exceeds this fraction of the range of the values.
+"""Limit of J h^n / (range of the values), above which a row is a kink.
 
-h : smaller spacing of the rows beside the jump
+J : jump of the derivative of order n;   h : smaller spacing to an adjacent row
 """
 
 

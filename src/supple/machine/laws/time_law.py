@@ -50,7 +50,7 @@ class TimeLaw(Protocol):
 
 @dataclass(frozen=True)
 class _UsersLaw:
-    """A law of a user's class; the compiled program depends on the functions of the class."""
+    """A law of a user-defined class. Its methods, and what they read, are part of the compiled program."""
 
     law: TimeLaw
 
@@ -77,7 +77,7 @@ jax.tree_util.register_pytree_node(
 
 def as_time_law(value: Any) -> TimeLaw:
     """The law of a quantity that is given as a law, a function of time, a number or an array."""
-    if isinstance(value, type):  # a class would pass the test for a `TimeLaw`
+    if isinstance(value, type):  # a class such as Ramp would pass for a law below
         raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")
     if isinstance(value, TimeLaw):
         return _UsersLaw(value) if is_users(type(value)) else value

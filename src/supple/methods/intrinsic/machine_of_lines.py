@@ -39,7 +39,7 @@ Array = np.ndarray
 _quaternion = CachedProgram(euler_parameters)
 
 SAME_VELOCITY = 1e-6
-"""Largest part of a root twist that the root support excludes, relative to the twist; more is an error."""
+"""Tolerance for the part of a root's twist that its support excludes, relative to the largest component."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +72,12 @@ class MachineOfLines:
         }
 
     def joint_forces(self, reactions: Array, motions: Mapping[str, IntrinsicMotion]) -> Mapping[str, Array]:
-        """Force and moment (t, 6) of each joint on its second end, about its point; see `joint_wrenches`.
+        """Force and moment (t, 6) of each joint on its second end, about the point of this end.
 
         reactions : (t, b, 6)   forces and moments on the roots, along their own axes
 
-        Components along free directions are set to zero: in the balance they are discretisation errors alone.
+        Components are along the joint axes, as in `joint_wrenches`. Those along free directions are set to
+        zero: the computed reactions contain only discretisation errors there.
         """
         found = {}
         for number, (placed, root) in enumerate(zip(self.system.bodies, self.roots, strict=True)):
@@ -114,14 +115,15 @@ def machine_of_lines(system: System, time: float) -> MachineOfLines:
 
 
 def check_held_by_ground(system: System) -> None:
-    """Raise ModelError for machines with other bodies, or with joints other than supports of the roots."""
+    """Raise ModelError unless each body is an intrinsic one whose root is free or supported by the ground."""
     for placed in system.bodies:
         body_of(placed)
     if is_joined(system):
         raise ModelError(
-            "joints act on released bodies, or connect intrinsic bodies: this analysis supports only joints "
-            "between the ground and the roots of intrinsic bodies, as in the support of their modes. Use a "
-            "time integration instead, with damping to reach equilibrium"
+            "this analysis supports only intrinsic bodies whose root is free or supported by one joint to "
+            "the ground. The machine also has a joint between two bodies, a joint on a released body, "
+            "friction that depends on a joint force, or a controller. Use a time integration instead, with "
+            "damping to reach equilibrium"
         )
 
 
