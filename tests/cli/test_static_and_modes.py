@@ -75,7 +75,7 @@ def test_a_pendulum_hangs_and_swings(run):
     # Of 2 kg, m l^2 / (m l^2 + J) swings; the spin about the rod moves no mass.
     masses = np.sum([mode["effective_mass"] for mode in modes], axis=0)
     assert masses[:3] == pytest.approx([2 / 1.025, 2 / 1.025, 0.0], abs=1e-8)
-    assert "Effective masses, of 2" in result.output
+    assert "Effective masses, of 2 kg" in result.output
     assert "1.9512 (97.6 %)" in result.output
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from supple.linearization import CampbellDiagram
 from supple.linearization.linear_machine import STANDING
 from supple.results.run_tables import TextTable
-from supple.units import UnitSystem, headed, plain_number
+from supple.units import UnitSystem, headed, plain_number, with_unit
 
 __all__ = ["SENSES", "mode_tables", "speed_tables"]
 
@@ -123,7 +123,7 @@ def _effective_mass_table(numbers: Mapping[str, Any]) -> TextTable | None:
     rows.append(["all", "", *(f"{each:.5g} ({100 * each / mass:.1f} %)" for each in total)])
     heads = ["mode", headed("frequency", numbers["units"].get("frequency", ""))]
     along = [headed(axis, unit) for axis in "xyz"]
-    return TextTable(f"Effective masses, of {mass:.6g}", [*heads, *along], rows)
+    return TextTable(f"Effective masses, of {with_unit(f'{mass:.6g}', unit)}", [*heads, *along], rows)
 
 
 def _damping(ratio: float) -> str:
