@@ -143,7 +143,7 @@ def test_a_part_that_rotates_far_in_a_step_stops_the_run_with_the_step():
         joints=[Revolute(name="pin", **about)],
         loads=[TorsionSpringDamper(**about, stiffness=0.1, damping=0.0)],
     )
-    with pytest.raises(ConvergenceError, match=r"rotate too far in a step .* FixedStep below 0\.1"):
+    with pytest.raises(ConvergenceError, match=r"rotate too far in a step; take a FixedStep below 0\.1"):
         simulate(system, Run(1.0, 0.1, method=Explicit()))
 
 
