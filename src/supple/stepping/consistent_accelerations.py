@@ -14,7 +14,7 @@ from supple.equations.inertia import mass_matrix
 from supple.equations.machine_model import Model
 from supple.equations.starting_machine import joint_terms
 
-__all__ = ["consistent_accelerations"]
+__all__ = ["acceleration_jump", "consistent_accelerations"]
 
 
 def consistent_accelerations(
@@ -28,19 +28,11 @@ def consistent_accelerations(
     terms = joint_terms(model, time, configuration, velocity)
     mass = mass_matrix(model.bodies_alone, configuration)
     n, m = len(mass), len(model.active)
-    scale = jnp.trace(mass) / n
-    top = jnp.concatenate([mass, scale * terms.jacobian.T], axis=1)
-    bottom = jnp.concatenate([scale * terms.jacobian, jnp.zeros((m, m))], axis=1)
-    matrix = jnp.concatenate([top, bottom])
     step = None if control is None else ControlStep(control, jnp.zeros(()))
 
     def solved(multipliers: Any) -> Any:
         forces = forces_without_acceleration(model, time, configuration, velocity, step, multipliers)
-        right = jnp.concatenate([-forces, -scale * terms.acceleration_bias])
-        # The right-hand side is eliminated with the matrix, as in the time integration.
-        factors, _, _ = jax.lax.linalg.lu(jnp.concatenate([matrix, right[:, None]], axis=1))
-        solution = jax.lax.linalg.triangular_solve(factors[:, :-1], factors[:, -1:], left_side=True)[:, 0]
-        return jnp.concatenate([solution[:n], scale * solution[n:]])
+        return _solved(mass, terms.jacobian, forces, terms.acceleration_bias)
 
     found = solved(jnp.zeros(m))
     if not model.reads_reactions:
@@ -56,3 +48,33 @@ def consistent_accelerations(
         (0, jnp.zeros(m), found),
     )
     return found[:n], found[n:], ~(jnp.max(abs(found[n:] - before)) <= CONVERGED * jnp.max(abs(found[n:])))
+
+
+def acceleration_jump(
+    before: Model, now: Model, time: Any, configuration: Configuration, velocity: Any, control: Any
+) -> tuple[Any, Any]:
+    """Changes of accelerations (n,) and multipliers (m,) between two models that differ in loads alone."""
+    at = time, configuration, velocity
+    if now.reads_reactions:
+        first, second = (consistent_accelerations(each, *at, control) for each in (before, now))
+        return second[0] - first[0], second[1] - first[1]
+    mass, terms = mass_matrix(now.bodies_alone, configuration), joint_terms(now, *at)
+    step = None if control is None else ControlStep(control, jnp.zeros(()))
+    none = jnp.zeros(len(now.active))
+    first, second = (forces_without_acceleration(each, *at, step, none) for each in (before, now))
+    found = _solved(mass, terms.jacobian, second - first, none)
+    return found[: len(mass)], found[len(mass) :]
+
+
+def _solved(mass: Any, jacobian: Any, forces: Any, bias: Any) -> Any:
+    """Accelerations and multipliers (n + m,) for the forces (n,) and the bias (m,) of the joints."""
+    n, m = len(mass), len(bias)
+    scale = jnp.trace(mass) / n
+    top = jnp.concatenate([mass, scale * jacobian.T], axis=1)
+    bottom = jnp.concatenate([scale * jacobian, jnp.zeros((m, m))], axis=1)
+    right = jnp.concatenate([-forces, -scale * bias])[:, None]
+    # The right-hand side is eliminated with the matrix, as in the time integration.
+    whole = jnp.concatenate([jnp.concatenate([top, bottom]), right], axis=1)
+    factors, _, _ = jax.lax.linalg.lu(whole)
+    solution = jax.lax.linalg.triangular_solve(factors[:, :-1], factors[:, -1:], left_side=True)[:, 0]
+    return jnp.concatenate([solution[:n], scale * solution[n:]])

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 
 from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.state import State
-from supple.stepping.consistent_accelerations import consistent_accelerations
+from supple.stepping.consistent_accelerations import acceleration_jump
 from supple.stepping.external_inputs import ExternalInputs
 
 __all__ = ["after_jump"]
@@ -25,21 +25,18 @@ def after_jump(inputs: ExternalInputs, arrays: Model, state: State, held: Any, g
     held, given : (i,) inputs before and after
     """
 
-    def change(now: Model, before: Model, at: Any) -> tuple[Any, Any]:
-        first, second = consistent_accelerations(before, *at), consistent_accelerations(now, *at)
-        return second[0] - first[0], second[1] - first[1]
-
     @jax.custom_jvp
-    def jump(differs: Any, now: Model, before: Model, at: Any) -> tuple[Any, Any]:
+    def jump(differs: Any, before: Model, now: Model, at: Any) -> tuple[Any, Any]:
         none = jnp.zeros_like(state.acceleration), jnp.zeros_like(state.multipliers)
-        return jax.lax.cond(differs, lambda: change(now, before, at), lambda: none)
+        return jax.lax.cond(differs, lambda: acceleration_jump(before, now, *at), lambda: none)
 
     @jump.defjvp
     def _(primals: Any, tangents: Any) -> Any:  # also of equal inputs, at which a jump has a derivative
-        return jump(*primals), jax.jvp(change, primals[1:], tangents[1:])[1]
+        changed = jax.jvp(lambda *given: acceleration_jump(*given[:2], *given[2]), primals[1:], tangents[1:])
+        return jump(*primals), changed[1]
 
     at = (state.time, state.configuration, state.velocity, state.control)
-    models = inputs.given(arrays, given), inputs.given(arrays, held)
+    models = inputs.given(arrays, held), inputs.given(arrays, given)
     by_acceleration, by_force = jump(jnp.any(given != held), *models, at)
     return state._replace(
         acceleration=state.acceleration + by_acceleration,
