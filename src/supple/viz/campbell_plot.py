@@ -128,13 +128,12 @@ def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
 def _draw_modes(axes: Axes, speeds: Array, frequencies: Array, names: Sequence[str], top: float) -> None:
     """Curves of the frequencies (ns, nm), with the name of each mode at the end of its curve."""
     followed = [
-        (name, mode, int(known[-1]))
-        for name, mode in zip(names, frequencies.T, strict=True)
+        (name, mode, int(known[-1]), COLOURS[number % len(COLOURS)])
+        for number, (name, mode) in enumerate(zip(names, frequencies.T, strict=True))
         if len(known := np.flatnonzero(np.isfinite(mode)))
     ]
-    heights = _apart(np.array([mode[end] for _, mode, end in followed]), top)
-    for rank, ((name, mode, end), height) in enumerate(zip(followed, heights.tolist(), strict=True)):
-        colour = COLOURS[rank % len(COLOURS)]
+    heights = _apart(np.array([mode[end] for _, mode, end, _ in followed]), top)
+    for (name, mode, end, colour), height in zip(followed, heights.tolist(), strict=True):
         axes.plot(speeds, mode, marker="o", markersize=2.5, color=colour, zorder=2.5)  # over names of orders
         axes.annotate(
             name,
