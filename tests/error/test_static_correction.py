@@ -11,6 +11,7 @@ from supple.errors import BasisWarning, ModelError
 from supple.fem import Isotropic, solid_model
 from supple.machine import GROUND, At, Fixed, Placed, System
 from supple.mesh import CellType, block
+from supple.quantities import WholeBody
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, NormalModes, reduce
 from supple.simulation import equilibrium
 
@@ -42,6 +43,15 @@ def test_one_column_a_rest_is_enough(full):
     first, last = corrected.missed["bar"]
     assert first.error > 1e-4 * deflection > last.error
     assert corrected.system.bodies[0].body.r == 2
+
+
+def test_the_size_of_a_motion_is_above_its_rounding_errors(full):
+    """A bar of length 1 that nothing deforms: displacements of 1e-18 would be compared with each other."""
+    rest = equilibrium(System((full,), (CLAMP,)))
+    assert WholeBody("bar").size(rest.system, rest.solution) == pytest.approx(1e-12, abs=0.0)
+    loaded = equilibrium(System((full,), (CLAMP,), gravity=GRAVITY))
+    deflection = np.linalg.norm(loaded.system.bodies[0].positions() - full.nodes, axis=1).max()
+    assert WholeBody("bar").size(loaded.system, loaded.solution) == pytest.approx(deflection, rel=1e-6)
 
 
 def test_what_is_not_reached_is_said_with_its_errors(full):

@@ -18,6 +18,8 @@ __all__ = ["QuantityOfInterest", "WholeBody"]
 Array = NDArray[np.float64]
 
 
+ROUND_OFF = 1e-12
+"""Largest displacement of an undeformed body, relative to its size."""
 _ROWS = 64
 """Number of output times whose nodal positions are in memory at once."""
 
@@ -97,9 +99,14 @@ class WholeBody:
         return system.placed(self.body, "stated error").body.positions(solution.bodies[self.body])
 
     def size(self, system: System, solution: Solution) -> float:
-        """Largest displacement of a node over the run, relative to the body's first interface."""
+        """Largest displacement of a node over the run, relative to the body's first interface.
+
+        At least `ROUND_OFF` of the size of the body: rounding errors of a body that nothing deforms are not
+        compared with each other.
+        """
         body = system.placed(self.body, "stated error").body
-        return largest_displacement(body, solution.motion(self.body, FramedMotion).coordinates)
+        found = largest_displacement(body, solution.motion(self.body, FramedMotion).coordinates)
+        return max(found, ROUND_OFF * float(np.ptp(body.nodes, axis=0).max(initial=0.0)))
 
 
 def largest_displacement(

@@ -32,7 +32,7 @@ from supple.equations.static_search import (
 from supple.errors import AccuracyError, ConvergenceError, ModelError
 from supple.machine import System
 from supple.methods.floating.full.statics import FullStatics, full_statics
-from supple.quantities.quantity_of_interest import largest_displacement
+from supple.quantities.quantity_of_interest import ROUND_OFF, largest_displacement
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.equations_of import with_held_servos
 from supple.simulation.machine_with_stations import machine_with_stations
@@ -56,8 +56,6 @@ CONVERGED = 1e-4
 """Size of a sweep, relative to the first sweep, below which no further sweep is made."""
 NOTHING = 1e-8
 """Size of a sweep, relative to the size of the machine, below which no further sweep is made."""
-ROUND_OFF = 1e-12
-"""Largest displacement of an undeformed body, relative to its size."""
 MOST_SWEEPS = 12
 ROUNDING = 1e-12
 """Displacement, relative to the length of a body, up to which the body counts as undeformed."""
