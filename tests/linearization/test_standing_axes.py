@@ -128,6 +128,15 @@ class TestRigidRotor:
         assert linear.axes == "standing in space"
         assert found == pytest.approx([sum(both), 1j * (both[1] - both[0])], rel=1e-8)
 
+    def test_a_rotor_that_turns_freely_has_a_static_compliance_across_its_axis(self):
+        """1 / (2 k) and l^2 / (2 k l^2) at an end; its rotation and its motion along the axis have none."""
+        linear = linearize(self.machine(self.stiff))
+        across, along = (TranslationPort("rotor.right", axis) for axis in ((0, 1, 0), X))
+        found = frequency_response(state_space(linear, inputs=[across], outputs=[across]), [0.0, 10.0])
+        assert found.transfer[0, 0, 0] == pytest.approx(1 / self.stiff, rel=1e-9)
+        with pytest.raises(ModelError, match="undamped pole at 0 rad/s"):
+            frequency_response(state_space(linear, inputs=[along], outputs=[along]), [0.0])
+
     def test_on_like_bearings_the_whirl_in_space_is_that_of_the_closed_form(self):
         """In turning axes the same motions are seen W lower and higher."""
         rate = 150.0

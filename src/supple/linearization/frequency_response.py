@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # its parts are imported when first used
 from numpy.typing import ArrayLike
 
 from supple.errors import ModelError
@@ -16,6 +17,11 @@ __all__ = ["FrequencyResponse", "RandomResponse", "frequency_response", "random_
 
 _BLOCK_BYTES = 2**27
 """Largest memory, bytes, of the matrices that are solved at once; more frequencies are split into blocks."""
+
+
+UNDRIVEN = 1e-12
+"""Relative singular value of a motion at its undamped pole; the root of it is the part of a force or of an
+output that counts as none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +55,8 @@ def frequency_response(space: StateSpace, angular_frequencies: ArrayLike) -> Fre
     """`H = C (i w - A)^-1 B + D` at each of the frequencies.
 
     angular_frequencies : (nf,) rad/s
-    Raises ModelError for a frequency that is not finite, or at an undamped pole of the machine, such as the
-    frequency 0 for a force on a free machine.
+    Raises ModelError for a frequency that is not finite, or at an undamped pole of a motion that the ports
+    drive or see, such as the frequency 0 for a force on a free machine.
     """
     w = np.atleast_1d(np.asarray(angular_frequencies, dtype=float))
     if w.ndim != 1 or not w.size or not np.isfinite(w).all():
@@ -63,18 +69,36 @@ def frequency_response(space: StateSpace, angular_frequencies: ArrayLike) -> Fre
         )
     poles = np.linalg.eigvals(space.a)
     near = abs(1j * w[:, None] - poles).min(axis=1) <= 1e-12 * abs(poles).max()
-    if near.any():
+    size = len(space.a)
+    transfer = np.empty((len(w), len(space.c), space.b.shape[1]), dtype=complex)
+    for number in np.flatnonzero(near):
+        transfer[number] = _beside_pole(space, float(w[number]))
+    others = np.flatnonzero(~near)
+    n_blocks = -(-len(others) * size**2 * 16 // _BLOCK_BYTES)
+    for part in np.array_split(others, max(n_blocks, 1)):
+        states = np.linalg.solve(1j * w[part, None, None] * np.eye(size) - space.a, space.b)
+        transfer[part] = space.c @ states + space.d
+    return FrequencyResponse(space, w, transfer)
+
+
+def _beside_pole(space: StateSpace, w: float) -> np.ndarray:
+    """`H(i w)` at an undamped pole of motions that the inputs do not drive and the outputs do not see.
+
+    For example the static compliance of a shaft across its axis, about which it turns freely.
+    """
+    balanced, (scale, _) = scipy.linalg.matrix_balance(space.a, permute=False, separate=True)
+    matrix, inputs = 1j * w * np.eye(len(scale)) - balanced, space.b / scale[:, None]
+    outputs = space.c * scale
+    states, _, rank, _ = np.linalg.lstsq(matrix, inputs.astype(complex), rcond=UNDRIVEN)
+    free = np.linalg.svd(matrix)[2][rank:].conj().T
+    left = np.linalg.norm(matrix @ states - inputs) > UNDRIVEN**0.5 * np.linalg.norm(inputs)
+    seen = np.linalg.norm(outputs @ free) > UNDRIVEN**0.5 * np.linalg.norm(outputs)
+    if left or seen:
         raise ModelError(
-            f"the machine has an undamped pole at {w[near][0]:.6g} rad/s, where its response is infinite: "
+            f"the machine has an undamped pole at {w:.6g} rad/s, where its response is infinite: "
             "give it damping, or leave that frequency out"
         )
-    size = len(space.a)
-    n_blocks = -(-len(w) * size**2 * 16 // _BLOCK_BYTES)
-    blocks = [
-        space.c @ np.linalg.solve(1j * part[:, None, None] * np.eye(size) - space.a, space.b) + space.d
-        for part in np.array_split(w, n_blocks)
-    ]
-    return FrequencyResponse(space, w, np.concatenate(blocks))
+    return outputs @ states + space.d
 
 
 def random_response(response: FrequencyResponse, density: ArrayLike) -> RandomResponse:
