@@ -101,13 +101,17 @@ def test_a_forward_whirl_is_followed_through_its_critical_speed():
         for end in ("left", "right")
     ]
     spins = [Spin(rate, (1, 0, 0)) for rate in np.linspace(0.0, 400.0, 5)]
-    diagram = campbell_diagram(System([reduced], loads=bearings), spins, n_modes=6, fulls=())
+    machine = System([reduced], loads=bearings)
+    diagram = campbell_diagram(machine, spins, n_modes=6, fulls=())
     assert [each.rate for each in diagram.critical_speeds] == pytest.approx([86.905, 288.618], rel=5e-3)
     assert diagram.likeness[1:].min() > 0.99
     forward = np.array([name.startswith("forward") for name in diagram.names])
     # -Re(s) / |s| of the same elements at 400 rad/s, in space.
     assert diagram.observed_damping_ratios[-1, forward] == pytest.approx([0.009046, 0.042598], rel=0.01)
     assert not diagram.onsets
+    back = campbell_diagram(machine, spins[::-1], n_modes=6, fulls=())
+    assert [each.rate for each in back.critical_speeds] == pytest.approx([86.905, 288.618], rel=5e-3)
+    assert "forward whirl 2" in back.names
 
 
 def test_modes_of_an_unbalanced_shaft_of_beams_are_whirls_not_those_of_a_blade():

@@ -69,7 +69,7 @@ class CampbellDiagram(Summarized):
     in_space : (ns, nm)                 frequency of the whirl in standing axes, rad per unit of time; NaN for
                                         a mode that does not move the rotor normal to its axis, or whose
                                         motion has several frequencies there
-    names : (nm,)                       names of the modes, from their motion at the last speed (`mode_names`)
+    names : (nm,)                       names of the modes, from their motion at the fastest speed (`mode_names`)
     """
 
     rates: Array
@@ -113,7 +113,8 @@ class CampbellDiagram(Summarized):
                 1 + 2 * np.nanmax(later, initial=0)
             )
             for row, column in zip(*scipy.optimize.linear_sum_assignment(apart), strict=True):
-                mode, own = int(known_later[column]), int(sense_later[known_later[column]])
+                mode = int(known_later[column])
+                own = int(sense_later[mode]) or int(sense[known[row]])  # at rest no sense is known
                 ahead = w[known[row]] - abs(rate), later[mode] - abs(after)
                 if ahead[0] * ahead[1] < 0 and (own >= 0 or self.axes == STANDING):
                     share = ahead[0] / (ahead[0] - ahead[1])
@@ -250,6 +251,7 @@ def campbell_diagram(
     senses: list[Array] = []
     in_space: list[Array] = []
     axes, names = STANDING, np.array([])
+    fastest = max(range(len(spins)), key=lambda each: (abs(spins[each].rate), each))
     for number, spin in enumerate(spins):
         with _held(ValidityWarning) as beyond, _held(BasisWarning) as words:
             linear = linearize(system, spin=spin, time=time, fulls=fulls)
@@ -279,7 +281,7 @@ def campbell_diagram(
         senses.append(np.nan_to_num(_placed(wanted, rows, own.sense[chosen].astype(float))).astype(int))
         in_space.append(_placed(wanted, rows, own.frequencies[chosen]))
         axes = modes.machine.axes if spin.rate else axes
-        if number == len(spins) - 1:
+        if number == fastest:
             names = np.full(wanted, "", dtype=object)
             names[rows] = mode_names(_some(modes, chosen))
         known = np.where(np.isnan(eigenvalues), 0.0 if before is None else before.eigenvalues, eigenvalues)
@@ -308,12 +310,13 @@ def _likeness(before: MachineModes, modes: MachineModes) -> tuple[Array, Array]:
     """
     old, new = before.eigenvalues[:, None], modes.eigenvalues
     table, size = modal_assurance(before, modes), abs(old) + abs(new) + 1e-300
-    apart = abs(old - new) / size
-    spin = modes.machine.spin
-    if spin is None or modes.machine.axes == STANDING:
-        return table, apart
+    turning = [each.machine for each in (before, modes) if each.machine.axes != STANDING]
+    if not turning:
+        return table, abs(old - new) / size
+    # A frequency w - W near zero is not small beside the change of W.
+    size = size + 2 * max(abs(each.spin.rate) for each in turning if each.spin is not None)
+    apart, through = abs(old - new) / size, abs(old - np.conj(new)) / size
     passed = modal_assurance(before, replace(modes, independent=modes.independent.conj()))
-    through = abs(old - np.conj(new)) / (size + 2 * abs(spin.rate))
     nearer = through - passed < apart - table
     return np.where(nearer, passed, table), np.where(nearer, through, apart)
 
