@@ -134,7 +134,7 @@ class TestRigidRotor:
         across, along = (TranslationPort("rotor.right", axis) for axis in ((0, 1, 0), X))
         found = frequency_response(state_space(linear, inputs=[across], outputs=[across]), [0.0, 10.0])
         assert found.transfer[0, 0, 0] == pytest.approx(1 / self.stiff, rel=1e-9)
-        with pytest.raises(ModelError, match="moves .* without end"):
+        with pytest.raises(ModelError, match=r"moves .* without end"):
             frequency_response(state_space(linear, inputs=[along], outputs=[along]), [0.0])
 
     def test_on_like_bearings_the_whirl_in_space_is_that_of_the_closed_form(self):

@@ -186,7 +186,7 @@ def test_what_cannot_be_asked_is_refused(oscillator):
     # Across the spring the stone is free; along it the response at rest is that of the spring.
     free = TranslationPort("stone.top", (0, 1, 0))
     for ports in ({"inputs": [free], "outputs": [PUSH]}, {"inputs": [free], "outputs": [free]}):
-        with pytest.raises(ModelError, match="pole at 0 rad/s|moves .* without end"):
+        with pytest.raises(ModelError, match=r"pole at 0 rad/s|moves .* without end"):
             frequency_response(state_space(oscillator, **ports), [0.0])
     assert frequency_response(space, [0.0]).transfer[0, 0, 0] == pytest.approx(1 / STIFFNESS, rel=1e-9)
     response = frequency_response(space, [1.0, 2.0])

@@ -69,7 +69,7 @@ class CampbellDiagram(Summarized):
     in_space : (ns, nm)                 frequency of the whirl in standing axes, rad per unit of time; NaN for
                                         a mode that does not move the rotor normal to its axis, or whose
                                         motion has several frequencies there
-    names : (nm,)                       names of the modes, from their motion at the fastest speed (`mode_names`)
+    names : (nm,)                       names of the modes by their motion at the fastest speed (`mode_names`)
     """
 
     rates: Array
