@@ -322,7 +322,7 @@ def test_bad_animations(tmp_path, beam):
         animate(path, times, positions, seen, values=np.zeros((6, 2)))
     with pytest.raises(ModelError, match=r"points of shape \(6, 63, 3\) at 5 times"):
         animate(path, times, positions, seen, traces=Traces(times[:-1], positions))
-    with pytest.raises(ModelError, match="times that are not in order"):
+    with pytest.raises(ModelError, match="times that do not ascend"):
         animate(path, times, positions, seen, traces=Traces(times[::-1], positions))
     with pytest.raises(ModelError, match=r"at 60\.0 frames per second"):
         animate(path, times, positions, seen, frames_per_second=60.0)

@@ -57,8 +57,6 @@ CONVERGED = 1e-4
 NOTHING = 1e-8
 """Size of a sweep, relative to the size of the machine, below which no further sweep is made."""
 MOST_SWEEPS = 12
-ROUNDING = 1e-12
-"""Displacement, relative to the length of a body, up to which the body counts as undeformed."""
 NEAR_BY = 20
 """Largest number of iterations of the search from the reduced equilibrium if the sweeps do not contract."""
 
@@ -234,7 +232,7 @@ def rest_errors(
         size, strain = largest_displacement(own, new.coordinates[None]), _strain(own, began, new.coordinates)
         largest = max(size, float(np.linalg.norm(displacement, axis=1).max()))
         if largest <= ROUND_OFF * np.ptp(own.nodes, axis=0).max():  # undeformed: ratios of rounding errors
-            displacement, strain = np.zeros_like(displacement), 0.0
+            displacement, size, strain = np.zeros_like(displacement), 0.0, 0.0
         errors[name] = EquilibriumError(displacement, deformation, size, strain, full.second)
     return errors
 

@@ -86,7 +86,9 @@ def test_other_things_beside_elements_are_refused():
         with pytest.raises(ModelError, match=f"sub-domain 'explicit' supports no {what} beside its elements"):
             explicit_subdomain(replace(model, attached=beside))
     for unlike in ((1.0, 1.0, 2.0), (1.0, 1.0, 0.0)):
-        with pytest.raises(ModelError, match=r"mass at node 5 \(one of 1\) has inertia, lies beside"):
+        with pytest.raises(
+            ModelError, match=r"mass at node 5 \(one of 1\) has rotary inertia, a centre beside"
+        ):
             explicit_subdomain(with_mass(model, 5, *unlike))
     coupled = np.zeros((model.n_dofs, model.n_dofs))
     coupled[np.ix_([0, 3], [0, 3])] = [[1.0, -1.0], [-1.0, 1.0]]
@@ -98,5 +100,5 @@ def test_a_mass_on_a_shell_has_no_inertia():
     model = shell_model(strip(1.0, 0.1, 4, 2), HomogeneousSection(Isotropic(2.1e11, 0.3, 7800.0), 5e-3))
     loaded = explicit_shell(with_mass(model, 3, 0.5, 0.5, 0.5))
     assert loaded.mass == pytest.approx(1.0 * 0.1 * 5e-3 * 7800.0 + 0.5, rel=1e-12)
-    with pytest.raises(ModelError, match=r"mass at node 3 .* has inertia"):
+    with pytest.raises(ModelError, match=r"mass at node 3 .* has rotary inertia"):
         explicit_shell(with_mass(model, 3, 0.5, 0.5, 0.5, 1e-3, 1e-3, 1e-3))
