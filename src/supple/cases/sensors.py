@@ -13,10 +13,10 @@ from supple.cases.shared_rules import InterfaceOf, PlaceOf, joint_names, usable_
 from supple.cases.stated_error import OF_STRESS
 from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ModelError
-from supple.export.tables.hdf5_table import name_taken_in_hdf5
 from supple.fem import FiniteElementModel
 from supple.importers.toml import Mistakes, Raw, tables, unknown
 from supple.machine import At, ForceElement, as_end
+from supple.storage.hdf5_name import name_taken_in_hdf5
 
 
 class SensedCase(NamedTuple):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import h5py
@@ -10,21 +9,8 @@ import numpy as np
 
 from supple.errors import ModelError
 from supple.quantities import Readings
+from supple.storage.hdf5_name import name_taken_in_hdf5
 from supple.units import UnitSystem
-
-
-def name_taken_in_hdf5(name: str, names: Sequence[str]) -> str | None:
-    """Reason for which a sensor cannot have its name in an HDF5 file beside all names, or None."""
-    if name == "time":
-        return "the HDF5 file of the sensors has the output times under the name time; give another name"
-    if not name.strip("/"):
-        return "in HDF5, / separates groups; give another name"
-    above = next((other for other in names if name.startswith(f"{other}/")), None)
-    if above is not None:
-        return (
-            f"in HDF5, / separates groups: its name lies below that of sensor '{above}'; rename one of them"
-        )
-    return None
 
 
 def write_hdf5(path: Path, readings: Readings, units: UnitSystem) -> None:
