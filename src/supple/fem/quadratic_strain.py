@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -69,13 +70,18 @@ class QuadraticStrain:
         D = self.D if self.D.ndim == 3 else self.D[None]
         return self.w[:, :, None, None] * D[:, None]
 
+    @cached_property
+    def enhanced_stress(self) -> FloatArray:
+        """w_g D R of the enhanced strains, (E, g s, k); for blocks with such strains only."""
+        assert self.enhanced is not None
+        return _over_points(self.weighted_D @ self.enhanced)
+
     def with_enhanced(self, eps: Array) -> Array:
         """Strains eps - R sum_g w R^T D eps (E, g, s, m) with the enhanced strains of least energy."""
         if self.enhanced is None:
             return eps
-        R, stress = _over_points(self.enhanced), _over_points(self.weighted_D @ self.enhanced)
-        flat = _over_points(eps)
-        return (flat - R @ (stress.swapaxes(1, 2) @ flat)).reshape(eps.shape)
+        R, flat = _over_points(self.enhanced), _over_points(eps)
+        return (flat - R @ (self.enhanced_stress.swapaxes(1, 2) @ flat)).reshape(eps.shape)
 
     def weighted_stress(self, eps: Array) -> Array:
         """w_g D of the strains `with_enhanced`, (E, g, s, m)."""
