@@ -2,56 +2,42 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import Solution, Validity
 from supple.machine import System
 from supple.methods.explicit.explicit_shell import ExplicitShell
 from supple.methods.explicit.motions import NodalMotion
+from supple.methods.explicit.peak_watch import Peak, PeakWatch
 
 __all__ = ["ShellStrainWatch", "shell_strain_watch"]
 
+FloatArray = NDArray[np.float64]
+
 LARGEST = 0.2
 """Largest plastic strain. At it, engineering strain and logarithmic strain differ by 10 %."""
-Strained = tuple[float, float, int]
-"""Largest plastic strain of a shell, its time, and the number of the cell."""
 
 
 @dataclass(frozen=True, eq=False)
-class ShellStrainWatch:
-    """The shells of a system that yield."""
+class ShellStrainWatch(PeakWatch):
+    """The shells of a system that yield, and their plastic strains."""
 
-    validity: Validity
     shells: tuple[ExplicitShell, ...]
 
-    def observe(self, so_far: Mapping[str, Strained], leg: Solution) -> dict[str, Strained]:
-        """Largest strains, updated by those of a leg; ValidityError at the first large one if strict."""
-        merged = {}
+    def values(self, leg: Solution) -> Iterator[tuple[str, FloatArray]]:
+        """Plastic strains (t, cells) of each shell."""
         for shell in self.shells:
-            strains = leg.motion(shell.name, NodalMotion).plastic_strain
-            row, cell = np.unravel_index(strains.argmax(), strains.shape)
-            found = float(strains[row, cell]), float(leg.times[row]), int(cell)
-            merged[shell.name] = max(so_far.get(shell.name, found), found)
-        if self.validity.strict:
-            for message in self.excesses(merged):
-                raise ValidityError(message)
-        return merged
+            yield shell.name, leg.motion(shell.name, NodalMotion).plastic_strain
 
-    def excesses(self, peaks: Mapping[str, Strained]) -> list[str]:
+    def excesses(self, peaks: Mapping[str, Peak]) -> list[str]:
         """A message for every shell of large strain."""
         return [
             _is_large(shell, *peaks[shell.name]) for shell in self.shells if peaks[shell.name][0] > LARGEST
         ]
-
-    def report(self, peaks: Mapping[str, Strained]) -> None:
-        """Warn about every shell of large strain."""
-        for message in self.excesses(peaks):
-            warnings.warn(message, ValidityWarning, stacklevel=3)
 
 
 def shell_strain_watch(system: System, validity: Validity) -> ShellStrainWatch:

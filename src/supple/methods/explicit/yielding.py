@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine import System
 from supple.methods.explicit.materials import J2Plasticity
 from supple.methods.explicit.modal_stress import isotropic_materials, modal_von_mises, stress_of_modes
 from supple.methods.explicit.modal_subdomain import ModalSubdomain
+from supple.methods.explicit.peak_watch import Peak, PeakWatch
 
 __all__ = ["YieldWatch", "yield_watch"]
 
 FloatArray = NDArray[np.float64]
-Stressed = tuple[float, float, int]
-"""Largest stress of a part, Pa, its time, and the number of the node."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,38 +32,24 @@ class _Limit:
 
 
 @dataclass(frozen=True, eq=False)
-class YieldWatch:
+class YieldWatch(PeakWatch):
     """Yield stresses of the modal parts of a system, and the action when one is exceeded."""
 
-    validity: Validity
     limits: tuple[_Limit, ...]
 
-    def observe(self, so_far: Mapping[str, Stressed], leg: Solution) -> dict[str, Stressed]:
-        """Largest stresses, updated by those of a leg; ValidityError at the first excess if strict."""
-        merged = {}
+    def values(self, leg: Solution) -> Iterator[tuple[str, FloatArray]]:
+        """Von Mises stresses (t, nodes) of each part."""
         for own in self.limits:
             motion = leg.motion(own.part.name, FloatingMotion)
-            values = modal_von_mises(own.of_modes, motion.coordinates)
-            row, node = np.unravel_index(values.argmax(), values.shape)
-            found = float(values[row, node]), float(leg.times[row]), int(node)
-            merged[own.part.name] = max(so_far.get(own.part.name, found), found)
-        if self.validity.strict:
-            for message in self.excesses(merged):
-                raise ValidityError(message)
-        return merged
+            yield own.part.name, modal_von_mises(own.of_modes, motion.coordinates)
 
-    def excesses(self, peaks: Mapping[str, Stressed]) -> list[str]:
+    def excesses(self, peaks: Mapping[str, Peak]) -> list[str]:
         """A message for every limit exceeded."""
         return [
             _yields(own, *peaks[own.part.name])
             for own in self.limits
             if peaks[own.part.name][0] > own.yield_stress
         ]
-
-    def report(self, peaks: Mapping[str, Stressed]) -> None:
-        """Warn about every limit exceeded."""
-        for message in self.excesses(peaks):
-            warnings.warn(message, ValidityWarning, stacklevel=3)
 
 
 def yield_watch(system: System, validity: Validity) -> YieldWatch:
