@@ -84,6 +84,14 @@ animation = false
 report = false
 """
 
+STRIP = """
+[[body]]
+name = "strip"
+mesh = "strip.inp"
+shell = { thickness = 0.01, youngs_modulus = 1e9, poissons_ratio = 0.3, density = 1000.0 }
+frame = { kind = "mean-axis" }
+"""
+
 
 @pytest.fixture
 def written(tmp_path):
@@ -139,12 +147,9 @@ def test_an_error_that_is_not_estimated_is_stated(written, tmp_path):
 
 @pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
 def test_a_body_that_does_not_deform_has_no_stress_and_the_run_needs_no_step(written, tmp_path):
-    held = """
-[[body]]
-name = "strip"
-mesh = "strip.inp"
-shell = { thickness = 0.01, youngs_modulus = 1e9, poissons_ratio = 0.3, density = 1000.0 }
-frame = { kind = "mean-axis" }
+    held = (
+        STRIP
+        + """\
 reduction = { basis = "craig-bampton", modes = 2 }
 
 [[body.interface]]
@@ -157,6 +162,7 @@ first = "ground"
 second = "strip.root"
 
 [simulation]"""
+    )
     (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 2, 2)))
     short = CASE.replace("duration = 4.0", "duration = 0.1").replace("\nstep = 0.05", "")
     with pytest.warns(ValidityWarning, match="its stress and section forces are those of this shape"):
@@ -167,15 +173,7 @@ second = "strip.root"
 
 def test_a_body_that_corrects_itself_is_refused(written, tmp_path):
     """Only a run with forces of inertia says how many coordinates it needs."""
-    soft = """
-[[body]]
-name = "strip"
-mesh = "strip.inp"
-shell = { thickness = 0.01, youngs_modulus = 1e9, poissons_ratio = 0.3, density = 1000.0 }
-frame = { kind = "mean-axis" }
-
-[simulation]"""
     (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 2, 2)))
-    case = written(CASE.replace("\n[simulation]", soft))
+    case = written(CASE.replace("\n[simulation]", STRIP + "\n[simulation]"))
     with pytest.raises(CaseError, match="has a self-correcting reduction: for a run with kinematic = true"):
         starting_system(case)
