@@ -28,8 +28,10 @@ from supple.equations.balance import balance
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion, advance
 from supple.equations.joint_force import constraints
 from supple.equations.places import assembled_vector
+from supple.methods.intrinsic.equal_lines import for_each_line
 from supple.methods.intrinsic.joined_machine import JoinedArrays, coupled_places, with_stations
 from supple.methods.intrinsic.line_equations import (
+    RootTwist,
     force_rates,
     line_rates,
     section_strains,
@@ -89,11 +91,11 @@ def shape_rates(model: LineModel, state: LineState, q1: jax.Array) -> tuple[jax.
 
 def station_twists(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.Array, ...]) -> jax.Array:
     """Velocities (global) and angular velocities (own axes) of the coupled stations, (6 s,)."""
-    still = tuple(jax.tree.map(jnp.zeros_like, states))
-    rates = tuple(
-        LineState(none.q1, *shape_rates(model, state, q1))
-        for model, state, none, q1 in zip(arrays.lines, states, still, amplitudes, strict=True)
-    )
+
+    def shape(model: LineModel, state: LineState, q1: jax.Array) -> LineState:
+        return LineState(jnp.zeros_like(state.q1), *shape_rates(model, state, q1))
+
+    rates = for_each_line(shape, arrays.lines, states, amplitudes)
     (_, rotations), (velocities, turning) = jax.jvp(
         lambda at: coupled_places(arrays, at), (states,), (rates,)
     )
@@ -189,12 +191,22 @@ def motion_residuals(
     system = arrays.line_system
     roots = tuple(None if drive is None else drive.twist(now.time) for drive in arrays.drives)
     wrenches = system_wrenches(system, now.lines, now.time, roots)
-    lines = []
-    for model_, state, rate, wrench, root, force, shift in zip(
-        arrays.lines, now.lines, rates.lines, wrenches, roots, forces, pushed, strict=True
-    ):
-        first, _ = line_rates(model_, state.q1, state.q2, wrench, root)
-        shape = shape_rates(model_, state, state.q1 + shift)
-        found = LineState(first + force, *shape)
-        lines.append(jax.tree.map(jnp.subtract, rate, found))
-    return JoinedRates(tuple(lines), left[:n], rates.frames - now.velocity - softness(push[:n]))
+    lines = for_each_line(
+        _line_residual, arrays.lines, now.lines, rates.lines, wrenches, roots, forces, pushed
+    )
+    return JoinedRates(lines, left[:n], rates.frames - now.velocity - softness(push[:n]))
+
+
+def _line_residual(
+    model: LineModel,
+    state: LineState,
+    rate: LineState,
+    wrench: jax.Array | None,
+    root: RootTwist | None,
+    force: jax.Array,
+    shift: jax.Array,
+) -> LineState:
+    """Residual of the equations of one line; `shift` is added to q_1 in the rates of the other states."""
+    first, _ = line_rates(model, state.q1, state.q2, wrench, root)
+    found = LineState(first + force, *shape_rates(model, state, state.q1 + shift))
+    return jax.tree.map(jnp.subtract, rate, found)

@@ -34,14 +34,15 @@ from supple.machine import (
     SampledController,
     System,
 )
+from supple.methods.intrinsic.equal_lines import EqualLines, for_each_line
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
-from supple.methods.intrinsic.line_model import LineModel
+from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import LineSystem, States
 from supple.methods.intrinsic.machine_loads import machine_loads
 from supple.methods.intrinsic.machine_of_lines import line_start, machine_of_lines
 from supple.methods.intrinsic.root_drive import RootDrive
 from supple.methods.intrinsic.station_loads import StationLoad
-from supple.methods.intrinsic.strain_integration import rotation_of, station_places
+from supple.methods.intrinsic.strain_integration import StationPlaces, rotation_of, station_places
 
 __all__ = [
     "JoinedArrays",
@@ -70,7 +71,7 @@ class JoinedArrays:
     coupled : numbers of the coupled stations, line by line
     """
 
-    lines: tuple[LineModel, ...]
+    lines: EqualLines
     drives: tuple[RootDrive | None, ...]
     loads: tuple[StationLoad, ...]
     model: Model
@@ -166,7 +167,7 @@ def joined_machine(system: System, time: float, also: Sequence[At] = ()) -> Join
     """
     seen, lines, coupled, on_lines = lines_as_stations(system, also)
     arrays = JoinedArrays(
-        lines=tuple(body_of(placed).model for placed in lines),
+        lines=EqualLines.of([body_of(placed).model for placed in lines]),
         drives=(None,) * len(lines),
         loads=machine_loads(on_lines),
         model=station_model(seen, len(seen.bodies) - sum(map(len, coupled)), None),
@@ -187,7 +188,7 @@ def supported_machine(system: System, time: float) -> JoinedMachine:
     first, *others = system.bodies
     seen = System([_station(first, 0)])
     arrays = JoinedArrays(
-        lines=made.lines.lines,
+        lines=EqualLines.of(made.lines.lines),
         drives=made.lines.drives,
         loads=made.lines.loads,
         model=station_model(seen, 0, None),
@@ -263,18 +264,28 @@ def _seen_controller(system: System, controller: Controller | SampledController)
 
 def coupled_places(arrays: JoinedArrays, states: States) -> tuple[jax.Array, jax.Array]:
     """Positions (s, 3) and rotations (s, 3, 3) of the coupled stations, from the strains."""
-    positions, rotations = [jnp.zeros((0, 3))], [jnp.zeros((0, 3, 3))]
-    for model, state, coupled in zip(arrays.lines, states, arrays.coupled, strict=True):
-        root = rotation_of(state.quaternion)
-        if coupled == (0,):
-            positions.append(state.position[None])
-            rotations.append(root[None])
-        if not any(coupled):
-            continue
-        places = station_places(model, state.q2, root, state.position)
-        positions.append(places.positions[np.array(coupled)])
-        rotations.append(places.rotations[np.array(coupled)])
-    return jnp.concatenate(positions), jnp.concatenate(rotations)
+    places = for_each_line(_coupled_places, arrays.lines, states, tuple(map(_Stations, arrays.coupled)))
+    return (
+        jnp.concatenate([jnp.zeros((0, 3)), *(own.positions for own in places)]),
+        jnp.concatenate([jnp.zeros((0, 3, 3)), *(own.rotations for own in places)]),
+    )
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class _Stations:
+    numbers: tuple[int, ...] = field(metadata=STATIC)
+
+
+def _coupled_places(model: LineModel, state: LineState, coupled: _Stations) -> StationPlaces:
+    """Places of the coupled stations of one line."""
+    root = rotation_of(state.quaternion)
+    if not any(coupled.numbers):
+        n = len(coupled.numbers)
+        return StationPlaces(jnp.broadcast_to(root, (n, 3, 3)), jnp.broadcast_to(state.position, (n, 3)))
+    places = station_places(model, state.q2, root, state.position)
+    chosen = np.array(coupled.numbers)
+    return StationPlaces(places.rotations[chosen], places.positions[chosen])
 
 
 def with_stations(arrays: JoinedArrays, floating: Configuration, states: States) -> Configuration:

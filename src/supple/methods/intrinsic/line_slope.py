@@ -15,6 +15,7 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jax.scipy.linalg import block_diag
 
+from supple.methods.intrinsic.equal_lines import for_each_line
 from supple.methods.intrinsic.line_equations import (
     RootTwist,
     decay_rates,
@@ -28,7 +29,7 @@ from supple.methods.intrinsic.line_equations import (
     station_velocities,
     viscous_forces,
 )
-from supple.methods.intrinsic.line_model import LineModel
+from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import LineSystem, States, root_rates, system_wrenches
 
 __all__ = ["line_slope", "system_slope"]
@@ -64,17 +65,7 @@ def line_slope(model: LineModel, q1: jax.Array, q2: jax.Array, root: RootTwist |
 def system_slope(system: LineSystem, time: Any, states: States) -> jax.Array:
     """Derivatives (N, N) of `system_rates` by all states, both as vectors by `ravel_pytree`."""
     roots = tuple(None if drive is None else drive.twist(time) for drive in system.drives)
-    blocks = []
-    for model, state, root in zip(system.lines, states, roots, strict=True):
-        amplitudes = line_slope(model, state.q1, state.q2, root)
-        m, e = state.q1.shape[0], state.q2.shape[0]
-        by_q1, by_turn = jax.jacrev(lambda q, z, own=model: jnp.concatenate(root_rates(own, q, z)), (0, 1))(
-            state.q1, state.quaternion
-        )
-        below = jnp.concatenate([by_q1, jnp.zeros((7, e)), by_turn, jnp.zeros((7, 3))], axis=1)
-        blocks.append(jnp.concatenate([jnp.pad(amplitudes, ((0, 0), (0, 7))), below]))
-        assert blocks[-1].shape == (m + e + 7, m + e + 7)
-    slope = block_diag(*blocks)
+    slope = block_diag(*for_each_line(_own_slope, system.lines, states, roots))
     if not any(load.needs_places for load in system.loads):
         return slope
     flat, unravel = ravel_pytree(states)
@@ -89,3 +80,13 @@ def system_slope(system: LineSystem, time: Any, states: States) -> jax.Array:
             slope = slope.at[row : row + m].add(model.velocities.T @ pushed.reshape(-1, flat.size))
         row += m + state.q2.shape[0] + 7
     return slope
+
+
+def _own_slope(model: LineModel, state: LineState, root: RootTwist | None) -> jax.Array:
+    """Derivatives of the rates of one line by its states, without loads."""
+    amplitudes = line_slope(model, state.q1, state.q2, root)
+    by_q1, by_turn = jax.jacrev(lambda q, z: jnp.concatenate(root_rates(model, q, z)), (0, 1))(
+        state.q1, state.quaternion
+    )
+    below = jnp.concatenate([by_q1, jnp.zeros((7, state.q2.shape[0])), by_turn, jnp.zeros((7, 3))], axis=1)
+    return jnp.concatenate([jnp.pad(amplitudes, ((0, 0), (0, 7))), below])

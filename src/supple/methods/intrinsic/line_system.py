@@ -9,6 +9,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from supple.methods.intrinsic.equal_lines import for_each_line
 from supple.methods.intrinsic.line_equations import RootTwist, line_rates, station_velocities
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.root_drive import RootDrive
@@ -34,7 +35,7 @@ States = tuple[LineState, ...]
 class LineSystem:
     """Lines, prescribed motions of their roots, and loads; the first two with one entry per line."""
 
-    lines: tuple[LineModel, ...]
+    lines: Sequence[LineModel]
     drives: tuple[RootDrive | None, ...]
     loads: tuple[StationLoad, ...]
 
@@ -51,15 +52,14 @@ def system_wrenches(
 ) -> list[jax.Array | None]:
     """Forces and moments on the stations of each line, along their own axes; None for an unloaded line."""
     if not system.loads:
-        return [None] * len(system.lines)
+        return [None] * len(system.drives)
     need_places = any(load.needs_places for load in system.loads)
-    motions = [
-        MovingStations(
-            places_of(model, drive, state, time) if need_places else None,
-            station_velocities(model, state.q1, root),
-        )
-        for model, drive, state, root in zip(system.lines, system.drives, states, roots, strict=True)
-    ]
+
+    def moving(model: LineModel, drive: Any, state: LineState, root: RootTwist | None) -> MovingStations:
+        places = places_of(model, drive, state, time) if need_places else None
+        return MovingStations(places, station_velocities(model, state.q1, root))
+
+    motions = for_each_line(moving, system.lines, system.drives, states, roots)
     return wrenches_on(system.loads, motions, time)
 
 
@@ -79,11 +79,12 @@ def system_rates(system: LineSystem, time: Any, states: States) -> States:
     """Rates of all states."""
     roots = tuple(None if drive is None else drive.twist(time) for drive in system.drives)
     wrenches = system_wrenches(system, states, time, roots)
-    rates = []
-    for model, state, root, wrench in zip(system.lines, states, roots, wrenches, strict=True):
-        d1, d2 = line_rates(model, state.q1, state.q2, wrench, root)
-        rates.append(LineState(d1, d2, *root_rates(model, state.q1, state.quaternion)))
-    return tuple(rates)
+    return for_each_line(_rates, system.lines, states, wrenches, roots)
+
+
+def _rates(model: LineModel, state: LineState, wrench: jax.Array | None, root: RootTwist | None) -> LineState:
+    d1, d2 = line_rates(model, state.q1, state.q2, wrench, root)
+    return LineState(d1, d2, *root_rates(model, state.q1, state.quaternion))
 
 
 def root_rates(model: LineModel, q1: jax.Array, quaternion: jax.Array) -> tuple[jax.Array, jax.Array]:
