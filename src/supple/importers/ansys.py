@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import IntArray
 from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.file_mesh import UnusedNodes
@@ -17,8 +17,6 @@ from supple.importers.text_file import file_content
 from supple.mesh import Mesh
 
 __all__ = ["read_ansys"]
-
-IntArray = NDArray[np.int64]
 
 # Numbers of element types, their cells, and the number of nodes that define the cell.
 _SHAPES = (

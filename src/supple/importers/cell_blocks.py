@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.file_mesh import FileMesh
 from supple.importers.quadrilateral import (
@@ -18,9 +18,6 @@ from supple.importers.quadrilateral import (
     split_quadrilaterals,
 )
 from supple.mesh import CellType
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 _CELL_TYPES = {kind.meshio_name: kind for kind in CellType}
 # Cell types with nodes inside faces or volume, and the types and numbers of nodes without these.
@@ -38,7 +35,7 @@ class CellBlock:
     type_name: str
     cells: IntArray
     ids: IntArray
-    sets: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
+    sets: dict[str, BoolArray] = field(default_factory=dict)
 
 
 def file_mesh(

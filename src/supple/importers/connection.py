@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from supple.arrays import FloatArray, IntArray
 
 __all__ = ["Connection"]
 
@@ -21,6 +20,6 @@ class Connection:
     """
 
     name: str
-    nodes: NDArray[np.int64]
-    position: NDArray[np.float64]
-    weights: NDArray[np.float64] | None
+    nodes: IntArray
+    position: FloatArray
+    weights: FloatArray | None

@@ -9,13 +9,11 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ImportFormatError
 from supple.importers.plain_number import is_plain
 from supple.importers.text_file import file_lines, is_file
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

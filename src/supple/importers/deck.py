@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.mesh import CellType, SectionGeometry
 
 __all__ = [
@@ -33,9 +33,6 @@ __all__ = [
     "WallProperty",
     "WeightedMean",
 ]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -179,7 +176,7 @@ class DeckElements:
     property: str
     directions: FloatArray | None = None
     offsets: FloatArray | None = None
-    released: NDArray[np.bool_] | None = None
+    released: BoolArray | None = None
     reduced: bool = False
     incompatible: bool = False
     mass_share: FloatArray | None = None

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import scipy  # its parts are imported when first used
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray, IntArray
 from supple.copied_hdf5 import open_copied
 from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import CellBlock, file_mesh
@@ -23,8 +23,6 @@ from supple.importers.text_file import file_content
 from supple.mesh import CellType, Mesh
 
 __all__ = ["EXODUS_SUFFIXES", "read_exodus"]
-
-IntArray = NDArray[np.int64]
 
 EXODUS_SUFFIXES = (".exo", ".e", ".ex2", ".g")
 """Suffixes of Exodus files."""
@@ -156,7 +154,7 @@ def _file_mesh(path: Path, parts: Mapping[str, tuple[Any, str]]) -> Any:
     return file_mesh(path, nodes, blocks, {k: v for k, v in sets.items() if v.size}, node_ids)
 
 
-def _coordinates(parts: Mapping[str, tuple[Any, str]]) -> NDArray[np.float64]:
+def _coordinates(parts: Mapping[str, tuple[Any, str]]) -> FloatArray:
     if "coord" in parts:
         rows = np.asarray(parts["coord"][0], dtype=np.float64)
     else:

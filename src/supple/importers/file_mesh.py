@@ -8,15 +8,13 @@ from enum import Enum, auto
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import CellError, ImportFormatError, MeshError
 from supple.mesh import CellType, Mesh
 from supple.mesh.mesh import no_ids
 
 __all__ = ["UnusedNodes"]
-
-IntArray = NDArray[np.int64]
 
 
 class UnusedNodes(Enum):
@@ -47,7 +45,7 @@ class FileMesh:
     """
 
     path: Path
-    nodes: NDArray[np.float64]
+    nodes: FloatArray
     cells: dict[CellType, IntArray]
     node_sets: dict[str, IntArray]
     cell_sets: dict[str, dict[CellType, IntArray]]
@@ -107,11 +105,11 @@ class FileMesh:
             cell_ids={kind: ids[kept[kind]] for kind, ids in self.cell_ids.items() if kind in kept},
         )
 
-    def without_unused(self, among: NDArray[np.bool_]) -> FileMesh:
+    def without_unused(self, among: BoolArray) -> FileMesh:
         """The file mesh without the nodes of the mask `among` (N,) that no cell uses."""
         return self._used(~among)
 
-    def _used(self, kept: NDArray[np.bool_] | None = None) -> FileMesh:
+    def _used(self, kept: BoolArray | None = None) -> FileMesh:
         used = np.zeros(len(self.nodes), dtype=bool) if kept is None else kept.copy()
         for array in self.cells.values():
             used[array] = True

@@ -14,12 +14,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.numbering import first_repeated
 from supple.importers.plain_number import is_plain
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 # Name, dimension and number of nodes of each of Gmsh's types, by its number.
 _TYPES = {
@@ -60,7 +58,7 @@ class GmshElements:
     dimension: int
     ids: IntArray
     nodes: IntArray
-    groups: dict[int, NDArray[np.bool_]]
+    groups: dict[int, BoolArray]
     dropped: IntArray
 
 
@@ -225,7 +223,7 @@ def _type(section: _Section, number: int) -> tuple[str, int, int]:
 
 
 def _elements(
-    section: _Section, number: int, ids: IntArray, nodes: IntArray, groups: dict[int, NDArray[np.bool_]]
+    section: _Section, number: int, ids: IntArray, nodes: IntArray, groups: dict[int, BoolArray]
 ) -> GmshElements:
     name, dimension, _ = _type(section, number)
     name, n = _WITHOUT_INNER.get(name, (name, nodes.shape[1]))
@@ -290,7 +288,7 @@ def _binary_elements_of_2(section: _Section, n: int) -> Iterator[GmshElements]:
         read += count
 
 
-def _groups_of_tags(physical: IntArray) -> dict[int, NDArray[np.bool_]]:
+def _groups_of_tags(physical: IntArray) -> dict[int, BoolArray]:
     return {tag: np.abs(physical) == tag for tag in np.unique(np.abs(physical)).tolist() if tag}
 
 

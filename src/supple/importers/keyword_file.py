@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.inclusion import Inclusions, included_file
 from supple.importers.plain_number import is_finite_number, is_integer, is_plain
@@ -61,18 +62,18 @@ class KeywordFile:
 class IntegerRows:
     """Integers of a block's data, each with its line and whether it is the first of the line."""
 
-    values: NDArray[np.int64]
-    lines: NDArray[np.int64]
-    first: NDArray[np.bool_]
+    values: IntArray
+    lines: IntArray
+    first: BoolArray
 
 
 @dataclass(frozen=True)
 class NumberedPoints:
     """Points of a block, with their ids and lines."""
 
-    ids: NDArray[np.int64]
-    positions: NDArray[np.float64]
-    lines: NDArray[np.int64]
+    ids: IntArray
+    positions: FloatArray
+    lines: IntArray
 
 
 def read_keyword_file(path: Path) -> KeywordFile:
@@ -147,7 +148,7 @@ def numbers(file: KeywordFile, line: int, words: list[str]) -> list[float]:
     return _converted(file, plain, np.full(len(plain), line), np.float64).tolist()
 
 
-def _converted(file: KeywordFile, words: list[str], lines: NDArray[np.int64], dtype: type) -> NDArray:
+def _converted(file: KeywordFile, words: list[str], lines: IntArray, dtype: type) -> NDArray:
     try:
         values = np.array(words, dtype=dtype)
     except (ValueError, OverflowError):

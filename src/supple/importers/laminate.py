@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.importers.deck import WallProperty
 
 __all__ = ["Ply", "laminate", "moved_wall", "orthotropic_ply"]
-
-FloatArray = NDArray[np.float64]
 
 # Three Gauss points integrate a polynomial of degree 5; squares of shear flows have degree 4.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)

@@ -8,15 +8,14 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from supple.arrays import IntArray
 from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
 
 __all__ = ["CommonNodes", "merged_decks"]
 
-IntArray = NDArray[np.int64]
 Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.deck import (
     AnisotropicMaterial,
     BeamProperty,
@@ -27,9 +27,6 @@ from supple.mesh import CellType
 from supple.mesh.reference_cell import reference_nodes
 
 __all__ = ["mirrored_order", "moved_deck"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # Largest absolute value of a component that is treated as zero.
 _NONE = 1e-14

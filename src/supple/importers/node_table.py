@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.connection import Connection
 
 __all__ = ["NodeTable"]
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +30,8 @@ class NodeTable:
 
     source: str
     ids: IntArray
-    positions: NDArray[np.float64]
-    axes: NDArray[np.float64] | None = None
+    positions: FloatArray
+    axes: FloatArray | None = None
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)
     connections: tuple[Connection, ...] = ()
     retained: IntArray | None = None

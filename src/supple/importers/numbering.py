@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from supple.arrays import BoolArray, IntArray
 
 __all__ = ["positions_of_ids"]
 
-IntArray = NDArray[np.int64]
 
-
-def positions_of_ids(ids: IntArray, wanted: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+def positions_of_ids(ids: IntArray, wanted: IntArray) -> tuple[IntArray, BoolArray]:
     """Position of each wanted id in `ids`, and a mask of the ids that exist; only these are valid."""
     if not len(ids):
         return np.zeros(np.shape(wanted), dtype=np.int64), np.zeros(np.shape(wanted), dtype=bool)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from supple.arrays import BoolArray, FloatArray, IntArray
 
 CROSSED = "its sides cross; list its nodes in their order around it"
 """The error message for a crossed quadrilateral."""
@@ -11,7 +12,7 @@ CROSSED = "its sides cross; list its nodes in their order around it"
 _ALONG_02, _ALONG_13 = [[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]
 
 
-def split_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.int64]:
+def split_quadrilaterals(nodes: FloatArray, quads: IntArray) -> IntArray:
     """Two triangles (2 Q, 3) for each quadrilateral (Q, 4), cut along the shorter diagonal inside it.
 
     Triangles 2 q and 2 q + 1 come from quadrilateral q and have the same orientation.
@@ -24,7 +25,7 @@ def split_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -
     return np.where(take_02[:, None, None], quads[:, _ALONG_02], quads[:, _ALONG_13]).reshape(-1, 3)
 
 
-def split_quadratic_surfaces(nodes: NDArray[np.float64], surfaces: NDArray[np.int64]) -> NDArray[np.int64]:
+def split_quadratic_surfaces(nodes: FloatArray, surfaces: IntArray) -> IntArray:
     """Triangles over all nodes of six-node triangles (4 each) or eight-node quadrilaterals (6 each).
 
     Corners come first, then the middle nodes of the edges in order. Each corner forms a triangle with the
@@ -38,13 +39,13 @@ def split_quadratic_surfaces(nodes: NDArray[np.float64], surfaces: NDArray[np.in
     return np.concatenate([outer, inner], axis=1).reshape(-1, 3)
 
 
-def crossed_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.int64]:
+def crossed_quadrilaterals(nodes: FloatArray, quads: IntArray) -> IntArray:
     """Numbers (k,) of the quadrilaterals that no diagonal cuts into triangles of the same orientation."""
     corners = nodes[quads]
     return np.flatnonzero(~_same_orientation(corners, _ALONG_02) & ~_same_orientation(corners, _ALONG_13))
 
 
-def _same_orientation(corners: NDArray[np.float64], triangles: list[list[int]]) -> NDArray[np.bool_]:
+def _same_orientation(corners: FloatArray, triangles: list[list[int]]) -> BoolArray:
     """Whether the normals of both triangles point to the same side."""
     x = corners[:, triangles]
     normals = np.cross(x[:, :, 1] - x[:, :, 0], x[:, :, 2] - x[:, :, 0])

@@ -6,17 +6,16 @@ from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, IntArray
 from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
 
 __all__ = ["kept_elements", "kept_terms", "restricted_deck", "used_nodes"]
 
-IntArray = NDArray[np.int64]
 Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 
-def restricted_deck(deck: Deck, own: NDArray[np.bool_]) -> Deck:
+def restricted_deck(deck: Deck, own: BoolArray) -> Deck:
     """The deck on the nodes of the mask `own` (N,); properties and element sets are unchanged.
 
     Cells, matrices, rows and ties with other nodes are removed, and so are other nodes of node sets. Scalar
@@ -45,7 +44,7 @@ def restricted_deck(deck: Deck, own: NDArray[np.bool_]) -> Deck:
     )
 
 
-def _inside(tie: RigidTie | WeightedMean, own: NDArray[np.bool_]) -> bool:
+def _inside(tie: RigidTie | WeightedMean, own: BoolArray) -> bool:
     return bool(own[tie.reference] and own[tie.nodes].all())
 
 
@@ -57,19 +56,19 @@ def _renumbered(freedoms: IntArray, number: IntArray) -> IntArray:
     return 6 * number[freedoms // 6] + freedoms % 6
 
 
-def _elements(given: DeckElements, own: NDArray[np.bool_], number: IntArray) -> DeckElements:
+def _elements(given: DeckElements, own: BoolArray, number: IntArray) -> DeckElements:
     kept = kept_elements(given, np.all(own[given.nodes], axis=1))
     return replace(kept, nodes=number[kept.nodes])
 
 
-def kept_elements(given: DeckElements, own: NDArray[np.bool_]) -> DeckElements:
+def kept_elements(given: DeckElements, own: BoolArray) -> DeckElements:
     """The cells where `own` (C,) is true."""
     arrays = ("nodes", "ids", "lines", "directions", "offsets", "released", "mass_share")
     values = {name: getattr(given, name) for name in arrays}
     return replace(given, **{name: None if array is None else array[own] for name, array in values.items()})
 
 
-def kept_terms(given: ScalarTerms, own: NDArray[np.bool_]) -> ScalarTerms:
+def kept_terms(given: ScalarTerms, own: BoolArray) -> ScalarTerms:
     """The rows where `own` (rows,) is true."""
     kept, count = own[given.rows], np.cumsum(own) - 1
     return ScalarTerms(
@@ -82,7 +81,7 @@ def kept_terms(given: ScalarTerms, own: NDArray[np.bool_]) -> ScalarTerms:
     )
 
 
-def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> ScalarTerms:
+def _terms(given: ScalarTerms, own: BoolArray, number: IntArray) -> ScalarTerms:
     """The rows whose freedoms all belong to points of the mask `own`, with point numbers `number`."""
     rows = np.ones(len(given.lines), dtype=bool)
     rows[given.rows[~own[given.freedoms // 6]]] = False
@@ -93,7 +92,7 @@ def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> Scal
     return replace(kept, freedoms=_renumbered(kept.freedoms, number), dependent=dependent)
 
 
-def used_nodes(deck: Deck) -> NDArray[np.bool_]:
+def used_nodes(deck: Deck) -> BoolArray:
     """Mask (N,) of the nodes that cells, matrices, rows or ties use."""
     terms = (*deck.springs, *deck.dashpots, *deck.inertias, *deck.constraints, *deck.held)
     matrices = (*deck.masses, *deck.stiffnesses, *deck.dampings)

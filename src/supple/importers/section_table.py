@@ -7,17 +7,16 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from supple.algebra import read_only
 from supple.algebra.cross import cross_matrices
 from supple.arguments import check_numbers
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 
 __all__ = ["SectionTable", "check_sections", "section_matrix", "twisted_axes"]
-
-FloatArray = NDArray[np.float64]
 
 ASYMMETRY = 1e-6
 """Largest difference of mirrored entries, relative to the geometric mean of their diagonal entries.

@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ImportFormatError
 from supple.importers.plain_number import is_number, is_plain
 from supple.importers.text_file import file_lines
 
 
-def read_time_table(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def read_time_table(path: Path) -> tuple[FloatArray, FloatArray]:
     """Times (k,) and values (k,) of a CSV file with rows `time,value`; # begins a comment.
 
     The first row may be a heading of words.
@@ -37,7 +37,7 @@ def read_time_table(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64
     return rows[:, 0], rows[:, 1]
 
 
-def _rows(path: Path) -> NDArray[np.float64]:
+def _rows(path: Path) -> FloatArray:
     """All rows (k, m) of numbers; m is 0 for an empty file."""
     rows: list[list[float]] = []
     is_first = True

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.file_mesh import UnusedNodes
@@ -24,8 +25,6 @@ from supple.importers.text_file import file_content
 from supple.mesh import Mesh
 
 __all__ = ["read_vtu"]
-
-IntArray = NDArray[np.int64]
 
 # Numbers of VTK's cell types with meshio's names and their number of nodes. Vertices are no cells.
 _TYPES = {
@@ -114,7 +113,7 @@ def read_vtu(
     )
 
 
-def _joined(points: list[NDArray[np.float64]]) -> tuple[NDArray[np.float64], IntArray]:
+def _joined(points: list[FloatArray]) -> tuple[FloatArray, IntArray]:
     """Nodes (N, 3) of all pieces, and the node number of each of their points.
 
     A point of a piece is a node of an earlier piece if the coordinates are equal, as pieces repeat the points
@@ -272,7 +271,7 @@ def _integers(file: _File, piece: ElementTree.Element, where: str, n: int) -> di
     return found
 
 
-def _reoriented(nodes: NDArray[np.float64], blocks: list[CellBlock]) -> list[CellBlock]:
+def _reoriented(nodes: FloatArray, blocks: list[CellBlock]) -> list[CellBlock]:
     """The blocks; wedges of negative volume get their two triangles exchanged."""
     result = []
     for block in blocks:

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.algebra.read_only import read_only
+from supple.arrays import FloatArray
 from supple.errors import MeshError
 
 __all__ = ["AirfoilSection", "TrailingEdge"]
-
-FloatArray = NDArray[np.float64]
 
 FEWEST_POINTS = 5
 # Largest deviation of the extreme x/c from 0 and 1; beyond it the outline is not relative to its chord.

@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 from math import isfinite
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import MeshError
 from supple.mesh.blade_stations import SHAPE_POINTS, BladeStations
 from supple.mesh.cell_type import CellType
@@ -16,9 +16,6 @@ from supple.mesh.shape_arguments import check_counts
 from supple.mesh.structured_grid import alternating_triangles, grid_quads
 
 __all__ = ["BladeGrid", "ShearWebs", "loft_blade"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 NARROWEST_PANEL = 0.05
 """Least length of the nose panel and of the aft panel, as a fraction of the chord."""

@@ -7,15 +7,14 @@ from functools import cached_property
 
 import numpy as np
 import scipy  # its parts are imported when first used
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.algebra.read_only import read_only
+from supple.arrays import FloatArray
 from supple.errors import MeshError
 from supple.mesh.airfoil_section import AirfoilSection
 
 __all__ = ["BladeStations"]
-
-FloatArray = NDArray[np.float64]
 
 # Sections are resampled at this many points of x/c, dense at both edges (cosine spacing).
 N_SHAPE_POINTS = 201

@@ -6,17 +6,14 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import CellError, MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.quadrature import strain_rule
 from supple.mesh.reference_cell import shape_gradients
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 # A triangle whose height is below this fraction of its longest edge has no usable normal or curvature.
 FLATTEST_TRIANGLE = 1e-6

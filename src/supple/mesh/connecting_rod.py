@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.extrusion import extrude
@@ -15,9 +15,6 @@ from supple.mesh.shape_arguments import check_counts, check_sizes
 from supple.mesh.structured_grid import grid_quads
 
 __all__ = ["Eye", "RodCells", "RodOutline", "connecting_rod"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

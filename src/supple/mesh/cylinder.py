@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.mesh.cell_type import CellType
 from supple.mesh.extrusion import extrude
 from supple.mesh.mesh import Mesh
@@ -63,6 +63,6 @@ def _disc(radius: float, n_core: int, n_ring: int):
     section = radius * np.vstack([core, ring.reshape(-1, 2)])
 
     layers = np.vstack([core_rim, len(core) + np.arange(4 * n_core * n_ring).reshape(n_ring, -1)])
-    closed: NDArray[np.int64] = np.column_stack([layers, layers[:, 0]])
+    closed: IntArray = np.column_stack([layers, layers[:, 0]])
     quads = np.vstack([grid_quads(core_grid), grid_quads(closed)])
     return section, quads, layers[-1]

@@ -9,10 +9,11 @@ from itertools import combinations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
@@ -31,7 +32,6 @@ __all__ = [
     "divided",
 ]
 
-IntArray = NDArray[np.int64]
 CellNumbers = Mapping[CellType, IntArray]
 
 
@@ -85,7 +85,7 @@ class AlongAxis:
         return [{kind: np.flatnonzero(own == i) for kind, own in part.items()} for i in range(self.count)]
 
     def _no_section(
-        self, number: int, wanted: float, direction: NDArray[np.float64], sections: Sequence[NodeSection]
+        self, number: int, wanted: float, direction: FloatArray, sections: Sequence[NodeSection]
     ) -> str:
         axis = f"({', '.join(f'{x:.3g}' for x in direction)})"
         planes = sum(section.is_plane for section in sections)
@@ -297,13 +297,13 @@ def _shared_out(
     return found
 
 
-def _longest_direction(mesh: Mesh) -> NDArray[np.float64]:
+def _longest_direction(mesh: Mesh) -> FloatArray:
     centred = mesh.nodes - mesh.nodes.mean(axis=0)
     direction = np.linalg.svd(centred, full_matrices=False)[2][0]
     return direction * np.sign(direction[np.argmax(abs(direction))])
 
 
-def _unit(axis: ArrayLike) -> NDArray[np.float64]:
+def _unit(axis: ArrayLike) -> FloatArray:
     given = np.array(axis, dtype=float)
     length = np.linalg.norm(given)
     if given.shape != (3,) or not (np.isfinite(length) and length > 0):

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import check_instance
+from supple.arrays import FloatArray, IntArray
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
 from supple.mesh.quadratic import to_quadratic
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 
 def extrude(

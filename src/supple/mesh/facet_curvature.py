@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from supple.arrays import BoolArray, FloatArray, IntArray
 
 __all__ = ["facet_curvature", "sides_across"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 CREASE = np.radians(20.0)
 """Largest angle between neighbours on one smooth surface; beyond it their edge is a crease."""
@@ -109,9 +107,7 @@ def _linear(points: FloatArray) -> FloatArray:
     return np.concatenate([points[..., :2], np.ones((*points.shape[:-1], 1))], axis=-1)
 
 
-def _bends(
-    normal: FloatArray, beside: IntArray
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+def _bends(normal: FloatArray, beside: IntArray) -> tuple[BoolArray, BoolArray, BoolArray]:
     """Whether the normals near each triangle differ (E,), and whether at most two different ones occur (E,).
 
     Near a triangle are its neighbours and their neighbours. The third mask (E, 3) marks the sides across
@@ -131,7 +127,7 @@ def _bends(
 
 def _fitted(
     axes: FloatArray, corners: FloatArray, nodes: FloatArray, around: IntArray
-) -> tuple[FloatArray, NDArray[np.bool_]]:
+) -> tuple[FloatArray, BoolArray]:
     """Curvature (E, 3, 3) of the surface through corners (E, 3, 3) and nodes around, and whether it fits."""
     scale = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)[:, None, None]
     origin = corners.mean(axis=1, keepdims=True)

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-IntArray = NDArray[np.int64]
+from supple.arrays import FloatArray, IntArray
 
 
 def feature_edges(
-    nodes: NDArray[np.float64], triangles: IntArray, *, fold_angle: float = np.radians(30.0)
+    nodes: FloatArray, triangles: IntArray, *, fold_angle: float = np.radians(30.0)
 ) -> IntArray:
     """Edges (k, 2) of one triangle only, or between two triangles at an angle above the fold angle.
 
@@ -26,9 +25,7 @@ def feature_edges(
     return sides.edges[(sides.count == 1) | ((sides.count == 2) & folded)]
 
 
-def silhouette_edges(
-    nodes: NDArray[np.float64], triangles: IntArray, towards: NDArray[np.float64]
-) -> IntArray:
+def silhouette_edges(nodes: FloatArray, triangles: IntArray, towards: FloatArray) -> IntArray:
     """Edges (k, 2) between two triangles of which one faces the viewer and one does not.
 
     towards : (3,) direction of the viewer, at infinity. Triangles may have any orientation.
@@ -61,7 +58,7 @@ def _sides(triangles: IntArray) -> _Sides:
     return _Sides(edges, count, edge, np.repeat(np.arange(len(triangles)), 3), sense)
 
 
-def _normals(nodes: NDArray[np.float64], triangles: IntArray) -> NDArray[np.float64]:
+def _normals(nodes: FloatArray, triangles: IntArray) -> FloatArray:
     corners = nodes[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)

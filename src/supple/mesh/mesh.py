@@ -7,18 +7,16 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.arguments import check_instance, check_numbers
+from supple.arrays import FloatArray, IntArray
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.checks import check_ids, check_mesh
 from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["Mesh"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 
 def no_links() -> IntArray:

@@ -15,17 +15,14 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
 
 __all__ = ["NodeSection", "flat_section", "sections_along", "shared_pieces"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # Largest distance between nodes of one plane, relative to the extent along the axis.
 _SAME_PLANE = 1e-6
@@ -43,7 +40,7 @@ class NodeSection:
     """
 
     position: float
-    below: Callable[[], Mapping[CellType, NDArray[np.bool_]]]
+    below: Callable[[], Mapping[CellType, BoolArray]]
     is_plane: bool
 
     def contains(self, other: NodeSection) -> bool:
@@ -139,7 +136,7 @@ def _planes(mesh: Mesh, along: FloatArray) -> Iterator[NodeSection]:
     levels = levels[(levels > along.min() + near) & (levels < along.max() - near)]
     crossing = np.searchsorted(low, levels - near) - np.searchsorted(high, levels + near, side="right")
 
-    def below(level: float) -> Mapping[CellType, NDArray[np.bool_]]:
+    def below(level: float) -> Mapping[CellType, BoolArray]:
         return {kind: along[cells].mean(axis=1) < level - near for kind, cells in mesh.cells.items()}
 
     for level in levels[crossing == 0].tolist():
@@ -163,7 +160,7 @@ def _layers(mesh: Mesh, along: FloatArray, *, from_low: bool) -> Iterator[NodeSe
     node_steps = steps[:n] // 2
     reached = node_steps[node_steps < first[-1]].max()
 
-    def below(number: int) -> Mapping[CellType, NDArray[np.bool_]]:
+    def below(number: int) -> Mapping[CellType, BoolArray]:
         return {
             kind: (steps[begin : begin + count] < 2 * number) == from_low
             for kind, begin, count in zip(mesh.cells, first, counts, strict=False)

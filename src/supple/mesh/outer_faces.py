@@ -5,14 +5,12 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
 
 __all__ = ["FACE_TRIANGLES", "is_shell", "outer_faces", "outer_triangles"]
-
-IntArray = NDArray[np.int64]
 
 FACE_TRIANGLES = {
     kind: np.array([(face[0], *pair) for face in kind.faces for pair in pairwise(face[1:])])

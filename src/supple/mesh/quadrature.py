@@ -7,12 +7,10 @@ from functools import cache
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import roots_jacobi, roots_legendre
 
+from supple.arrays import FloatArray
 from supple.mesh.cell_type import CellType
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

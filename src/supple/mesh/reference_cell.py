@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.mesh.cell_type import CellType
 
 _CORNERS = {
@@ -22,7 +22,7 @@ _CORNERS = {
 
 
 @cache
-def reference_nodes(cell_type: CellType) -> NDArray[np.float64]:
+def reference_nodes(cell_type: CellType) -> FloatArray:
     """Parent coordinates (k, 3) of the nodes; read-only.
 
     The parents: the unit tetrahedron; the pyramid of height 1 over the square [-1, 1]^2; the wedge of the
@@ -35,13 +35,13 @@ def reference_nodes(cell_type: CellType) -> NDArray[np.float64]:
     return nodes
 
 
-def shape_functions(cell_type: CellType, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def shape_functions(cell_type: CellType, points: FloatArray) -> FloatArray:
     """Shape functions N_a (p, k) of a solid cell at parent points (p, 3), as in `shape_gradients`."""
     exponents = _exponents(cell_type)
     return _powers(points, exponents) @ np.linalg.inv(_powers(reference_nodes(cell_type), exponents))
 
 
-def shape_gradients(cell_type: CellType, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def shape_gradients(cell_type: CellType, points: FloatArray) -> FloatArray:
     """Gradients dN_a/dxi_i of a solid cell's shape functions at parent points.
 
     N_a is one at node a and zero at the other nodes. With the functions p_m of the cell (see `_exponents`):
@@ -67,14 +67,14 @@ def shape_gradients(cell_type: CellType, points: NDArray[np.float64]) -> NDArray
     return np.einsum("pmi,ma->pai", dp, np.linalg.inv(P))
 
 
-def _powers(points: NDArray[np.float64], exponents: NDArray[np.int64]) -> NDArray[np.float64]:
+def _powers(points: FloatArray, exponents: IntArray) -> FloatArray:
     """x^i y^j z^k / (1 - z)^l (p, m) of exponents (m, 4); zero at the apex z = 1 for l > 0, where x y = 0."""
     below_apex = 1.0 - points[:, 2:]
     divided = np.divide(1.0, below_apex, out=np.zeros_like(below_apex), where=below_apex != 0.0)
     return np.prod(np.hstack([points, divided])[:, None, :] ** exponents[None, :, :], axis=2)
 
 
-def _exponents(cell_type: CellType) -> NDArray[np.int64]:
+def _exponents(cell_type: CellType) -> IntArray:
     """Exponents (k, 4) of the functions of a cell.
 
     Tetrahedra have the complete polynomials of degree 1 or 2, hexahedra and wedges the serendipity

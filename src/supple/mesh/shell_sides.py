@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.mesh.facet_curvature import sides_across
 
 __all__ = ["turned_over"]
@@ -15,9 +15,7 @@ SMOOTH = np.radians(60.0)
 """Largest angle between neighbours of one wall; plates that meet at a larger angle are separate walls."""
 
 
-def turned_over(
-    nodes: NDArray[np.float64], triangles: NDArray[np.int64], *, crease: float = SMOOTH
-) -> NDArray[np.bool_]:
+def turned_over(nodes: FloatArray, triangles: IntArray, *, crease: float = SMOOTH) -> BoolArray:
     """Whether the normal of each triangle (E,) points to the other side than most normals of its wall.
 
     A wall is a set of triangles that meet at smooth edges. If equally many normals point to both sides, the

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, IntArray
 from supple.errors import ModelError
 from supple.mesh.mesh import Mesh
 from supple.mesh.outer_faces import outer_faces
 
 __all__ = ["Skin", "skin_of"]
-
-IntArray = NDArray[np.int64]
 
 # Triangles of a face by its number of nodes, which are counted around the rim (corner, mid-edge, ...).
 _CUTS = {
@@ -38,7 +36,7 @@ class Skin:
     """
 
     triangles: IntArray
-    mesh_lines: NDArray[np.bool_]
+    mesh_lines: BoolArray
 
     def __post_init__(self) -> None:
         if self.triangles.ndim != 2 or self.triangles.shape[1] != 3 or not len(self.triangles):
@@ -73,7 +71,7 @@ def skin_of(mesh: Mesh) -> Skin:
     return Skin(np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts]))
 
 
-def _skin_of_faces(faces: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+def _skin_of_faces(faces: IntArray) -> tuple[IntArray, BoolArray]:
     n_rim = faces.shape[1]
     cuts = np.array(_CUTS[n_rim])
     # A side is an edge of the mesh if its two nodes are neighbours on the rim.

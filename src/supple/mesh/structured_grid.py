@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-IntArray = NDArray[np.int64]
+from supple.arrays import IntArray
 
 
 def grid_quads(grid: IntArray) -> IntArray:

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from supple.arrays import FloatArray
 from supple.importers.abaqus.report import Report
 from supple.importers.keyword_file import KeywordBlock, KeywordFile, fields, numbers
 
 __all__ = ["Scope", "ScopedBlock", "scoped_blocks"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.beam_shapes import BeamShape, beam_shape
 from supple.importers.abaqus.deck_model import AbaqusModel
@@ -19,7 +19,6 @@ from supple.mesh import SectionGeometry
 
 __all__ = ["SectionOfBeams", "read_beam_section"]
 
-FloatArray = NDArray[np.float64]
 _OF_SECTIONS = ("CENTROID", "SHEARCENTER", "SECTIONPOINTS")
 
 

@@ -8,13 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.mesh import SectionGeometry, Wall, circular_section, rectangular_section, walled_section
 
 __all__ = ["BeamShape", "beam_shape"]
 
-FloatArray = NDArray[np.float64]
 _Rectangle = tuple[float, float, float, float, float]
 """From y, to y, from z, to z, and the sign of the area."""
 

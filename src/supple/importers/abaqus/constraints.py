@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.deck_model import AbaqusModel, DeckSurface
 from supple.importers.abaqus.element_types import Family
@@ -20,9 +20,6 @@ from supple.importers.keyword_file import fields, numbers
 from supple.importers.plain_number import is_plain_digits
 
 __all__ = ["DeckConstraints", "read_constraints"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 _ALL = (1, 2, 3, 4, 5, 6)
 _WHOLE = ({1, 2, 3}, {4, 5, 6}, {*_ALL})  # the same in all axes
@@ -79,7 +76,7 @@ def read_constraints(
     return found
 
 
-def _nodes_of_solids_alone(model: AbaqusModel) -> NDArray[np.bool_]:
+def _nodes_of_solids_alone(model: AbaqusModel) -> BoolArray:
     """Mask (N,) of nodes without rotations: elements use them, but no shell, beam or rotary inertia."""
     turns = np.zeros(len(model.positions), dtype=bool)
     used = np.zeros(len(model.positions), dtype=bool)
@@ -259,7 +256,7 @@ def _coupling(
     freedoms: Freedoms,
     ids: PublicIds,
     found: DeckConstraints,
-    solid_only: NDArray[np.bool_],
+    solid_only: BoolArray,
     orientations: Mapping[tuple[int, str], Orientation],
 ) -> None:
     block = coupling.block
@@ -344,7 +341,7 @@ def _kinematic(
     line: int,
     freedoms: Freedoms,
     found: DeckConstraints,
-    solid_only: NDArray[np.bool_],
+    solid_only: BoolArray,
     directions: FloatArray,
 ) -> None:
     """Add a rigid tie if all freedoms of the nodes follow; else a constraint row for each component."""
@@ -371,7 +368,7 @@ def _kinematic_coupling(
     freedoms: Freedoms,
     ids: PublicIds,
     found: DeckConstraints,
-    solid_only: NDArray[np.bool_],
+    solid_only: BoolArray,
     orientations: Mapping[tuple[int, str], Orientation],
 ) -> None:
     reference = _reference(model, placed)

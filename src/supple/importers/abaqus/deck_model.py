@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.abaqus.assembly import Scope, ScopedBlock, scoped_blocks
 from supple.importers.abaqus.element_types import ElementType, Family, all_faces, element_type, face_nodes
@@ -20,9 +21,6 @@ from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
 
 __all__ = ["AbaqusModel", "DeckSurface", "read_model"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,7 +250,7 @@ def _listed_elements(model: AbaqusModel, copied: ScopedBlock) -> IntArray:
     return np.concatenate(found)
 
 
-def _numbered(blocks: list[ElementBlock], kept: NDArray[np.bool_]) -> Iterator[ElementBlock]:
+def _numbered(blocks: list[ElementBlock], kept: BoolArray) -> Iterator[ElementBlock]:
     """The blocks with the elements of the mask `kept` only, numbered consecutively."""
     start = first = 0
     for block in blocks:
@@ -360,7 +358,7 @@ def _rows_of_elements(model: AbaqusModel, read: IntegerRows, width: int, name: s
     return starts[:, None] + np.arange(width)
 
 
-def _last_definitions(report: Report, what: str, labels: Labels, lines: IntArray) -> NDArray[np.bool_]:
+def _last_definitions(report: Report, what: str, labels: Labels, lines: IntArray) -> BoolArray:
     """Mask of the valid definitions: the last one of each id, as in both programs; repetitions are doubts."""
     order = np.lexsort([labels.ids, labels.scopes])
     same = np.diff(labels.ids[order]) == 0

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.quadrilateral import split_quadratic_surfaces, split_quadrilaterals
 from supple.mesh import CellType
 
@@ -23,9 +23,6 @@ __all__ = [
     "element_type",
     "face_nodes",
 ]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 
 class Family(Enum):

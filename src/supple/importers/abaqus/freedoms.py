@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.orientation import cylindrical_axes
 from supple.importers.deck import ScalarTerms
@@ -14,8 +14,6 @@ from supple.importers.keyword_file import fields, numbers
 
 __all__ = ["Freedoms", "Rows", "Terms", "along", "rigid_terms"]
 
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 Terms = list[tuple[int, float]]
 
 

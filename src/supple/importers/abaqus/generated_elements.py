@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.element_types import CELLS, ElementType, Family
 from supple.importers.abaqus.keyword_elements import ElementBlock, Labels
@@ -17,8 +17,6 @@ from supple.importers.plain_number import is_plain_digits, plain_integer
 from supple.mesh import CellType
 
 __all__ = ["copied_elements", "generated_elements"]
-
-IntArray = NDArray[np.int64]
 
 
 def generated_elements(

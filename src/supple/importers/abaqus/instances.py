@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.deck import Deck
 from supple.importers.restricted_deck import restricted_deck
@@ -27,7 +27,7 @@ def decks_of_instances(deck: Deck, model: AbaqusModel) -> Deck:
     return replace(deck, superelements=parts)
 
 
-def _part(deck: Deck, name: str, mine: NDArray[np.bool_]) -> Deck:
+def _part(deck: Deck, name: str, mine: BoolArray) -> Deck:
     """The deck of one instance, on its nodes and reference nodes, with set names without INSTANCE.
 
     Constraints, springs and ties to other instances are omitted; joints between bodies replace them.

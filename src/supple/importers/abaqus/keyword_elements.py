@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, IntArray
 from supple.importers.abaqus.element_types import ElementType
 
 __all__ = ["ElementBlock", "Labels"]
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +46,7 @@ class Labels:
     ids: IntArray
     _sorted: dict[int, tuple[IntArray, IntArray]] = field(default_factory=dict)
 
-    def numbers(self, scope: int, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+    def numbers(self, scope: int, ids: IntArray) -> tuple[IntArray, BoolArray]:
         """Numbers of ids in a scope, and a mask of the ids that exist; only these have a valid number."""
         # Ids are looked up line by line, so they are sorted once.
         if scope not in self._sorted:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import Family
@@ -17,9 +17,6 @@ from supple.importers.deck import NodalMatrix, ScalarTerms
 from supple.importers.keyword_file import fields, numbers
 
 __all__ = ["read_masses", "read_springs"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 
 def read_masses(

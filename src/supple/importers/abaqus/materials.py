@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
 from supple.importers.keyword_file import KeywordBlock, fields, numbers
 
 __all__ = ["DeckMaterial", "engineering_constants", "read_materials"]
 
-FloatArray = NDArray[np.float64]
 DeckMaterial = IsotropicMaterial | AnisotropicMaterial
 
 _INELASTIC = (

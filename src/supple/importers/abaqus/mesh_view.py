@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import IntArray
 from supple.importers.abaqus.deck_model import read_model
 from supple.importers.abaqus.element_types import Family, cells_of, element_type
 from supple.importers.abaqus.keyword_elements import ElementBlock
@@ -19,8 +19,6 @@ from supple.importers.node_table import NodeTable
 from supple.mesh import CellType, Mesh
 
 __all__ = ["read_abaqus"]
-
-IntArray = NDArray[np.int64]
 
 # Ties, masses and wall offsets: part of a deck, not of a mesh.
 _BEYOND_A_MESH = (

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.importers.abaqus.freedoms import Terms, along
 
 __all__ = ["mpc_rows"]
-
-FloatArray = NDArray[np.float64]
 
 
 def mpc_rows(

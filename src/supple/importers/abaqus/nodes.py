@@ -7,18 +7,15 @@ from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.abaqus.assembly import Scope, ScopedBlock
 from supple.importers.keyword_file import KeywordBlock, KeywordFile, fields, numbered_points, numbers
 from supple.importers.numbering import positions_of_ids
 from supple.importers.plain_number import is_plain_digits
 
 __all__ = ["NODE_KEYWORDS", "NodesFound", "each_once", "most_generated", "plain_ids", "read_nodes"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 NODE_KEYWORDS = ("NODE", "NGEN", "NFILL", "NCOPY", "SYSTEM")
 """Keywords that `read_nodes` reads; *NMAP raises ImportFormatError."""

@@ -7,18 +7,15 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.keywords import LEFT_OUT
 from supple.importers.keyword_file import fields, numbers
 
 __all__ = ["Orientation", "cylindrical_axes", "read_orientations"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,14 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.keyword_elements import Labels
 
 __all__ = ["PublicIds", "public_ids", "public_name", "public_sets"]
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

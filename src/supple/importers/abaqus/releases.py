@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, IntArray
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import Family
 from supple.importers.keyword_file import fields
 
 __all__ = ["read_releases", "released_ends"]
-
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 # Freedoms of rotations about the beam axis x (T) and the section axes y (M1) and z (M2).
 _ROTATIONS = {"T": (3,), "M1": (4,), "M2": (5,), "ALLM": (3, 4, 5)}

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from dataclasses import fields as dataclass_fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.beam_sections import SectionOfBeams, read_beam_section
 from supple.importers.abaqus.deck_model import AbaqusModel
@@ -31,10 +31,6 @@ from supple.importers.keyword_file import fields, numbers
 from supple.mesh import CellType
 
 __all__ = ["read_elements"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

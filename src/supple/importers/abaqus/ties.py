@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.deck_model import AbaqusModel, DeckSurface
 from supple.importers.abaqus.element_types import Family
@@ -16,9 +16,6 @@ from supple.importers.abaqus.freedoms import Rows
 from supple.importers.keyword_file import fields, numbers
 
 __all__ = ["read_ties"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 _DEFAULT_TOLERANCE = 0.05
 """Distance, relative to `_face_size` of the master, up to which nodes are tied (CalculiX: 0.025)."""
@@ -147,7 +144,7 @@ def _face_size(x: FloatArray, surface: DeckSurface) -> float:
     return float(np.concatenate(spans).mean()) if spans else 1.0
 
 
-def _nodes_of(model: AbaqusModel, *families: Family) -> NDArray[np.bool_]:
+def _nodes_of(model: AbaqusModel, *families: Family) -> BoolArray:
     """Mask (N,) of the nodes of elements of these families."""
     found = np.zeros(len(model.positions), dtype=bool)
     for block in model.elements:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import ElementType, Family
@@ -18,9 +18,6 @@ from supple.importers.keyword_file import KeywordBlock, fields, numbers
 from supple.importers.laminate import Ply, laminate, orthotropic_ply
 
 __all__ = ["SectionOfShells", "read_shell_section", "thickness_of_sections"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 _FLAT, _ACROSS = [0, 1, 5], [4, 3]  # xx yy xy, and xz yz, of a solid's strains
 _ALONG_NORMAL = np.cos(np.radians(0.1))

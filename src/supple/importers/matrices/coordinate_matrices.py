@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.matrices.labelled_matrix import (
     LabelledMatrix,
@@ -17,9 +17,6 @@ from supple.importers.matrices.labelled_matrix import (
 from supple.importers.node_table import NodeTable
 from supple.importers.plain_number import is_plain, is_plain_digits
 from supple.importers.text_file import file_lines
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _LARGEST_WHOLE = 2.0**53
 """Largest node id or row number that a float represents exactly; larger ones are rejected."""
@@ -95,7 +92,7 @@ def read_calculix_matrix(path: str | Path, freedoms: str | Path | None = None) -
     return LabelledMatrix(str(path), matrix, rows_of_map, resolution)
 
 
-def _map(path: Path) -> NDArray[np.int64]:
+def _map(path: Path) -> IntArray:
     words = [(number, text.strip()) for number, text in _lines(path)]
     found = []
     for number, word in words:
@@ -143,7 +140,7 @@ def _is_row(row: list[str], width: int) -> bool:
         return False
 
 
-def _whole(path: Path, values: FloatArray, what: str) -> NDArray[np.int64]:
+def _whole(path: Path, values: FloatArray, what: str) -> IntArray:
     whole = np.where(np.isfinite(values), values, -0.5)
     wrong = (whole != np.round(whole)) | (np.abs(whole) > _LARGEST_WHOLE)
     if wrong.any():

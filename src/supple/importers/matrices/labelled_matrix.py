@@ -7,15 +7,12 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ImportFormatError
 
 __all__ = ["LabelledMatrix", "MatrixRole", "freedom_name"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 _EXPONENT = re.compile(r"(?:[ED][+-]?|[+-])\d+$")
 COMPONENT_NAMES = ("", "ux", "uy", "uz", "rx", "ry", "rz")

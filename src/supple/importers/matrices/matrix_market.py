@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.plain_number import plain_integer
 from supple.importers.text_file import file_lines
 
 __all__ = ["read_matrix"]
-
-FloatArray = NDArray[np.float64]
 
 MOST_EMPTY = 100_000
 """Largest number by which the rows or columns of a sparse matrix exceed its entries; more are an error."""
@@ -163,7 +161,7 @@ def _is_entry(text: str, width: int) -> bool:
         return False
 
 
-def _places(header: _Header, lines: list[str], given: FloatArray, n: int) -> NDArray[np.int64]:
+def _places(header: _Header, lines: list[str], given: FloatArray, n: int) -> IntArray:
     """Row or column indices from 0, for numbers in the file that count from 1."""
     # Written so that NaN counts as outside, too.
     outside = np.flatnonzero(~((given >= 1) & (given <= n) & (given == np.round(given))))
@@ -177,7 +175,7 @@ def _places(header: _Header, lines: list[str], given: FloatArray, n: int) -> NDA
     return given.astype(np.int64) - 1
 
 
-def _places_of_array(header: _Header) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _places_of_array(header: _Header) -> tuple[IntArray, IntArray]:
     """Rows and columns of the entries of the array format, column after column."""
     if header.symmetry == "general":
         place = np.arange(header.entries)
@@ -187,9 +185,7 @@ def _places_of_array(header: _Header) -> tuple[NDArray[np.int64], NDArray[np.int
     return row, column
 
 
-def _filled_in(
-    header: _Header, row: NDArray[np.int64], column: NDArray[np.int64], values: FloatArray
-) -> csc_array:
+def _filled_in(header: _Header, row: IntArray, column: IntArray, values: FloatArray) -> csc_array:
     if header.symmetry != "general":
         beside = row != column
         sign = 1.0 if header.symmetry == "symmetric" else -1.0

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from supple.arrays import IntArray
 from supple.errors import ImportFormatError
 from supple.importers.matrices.labelled_matrix import SINGLE_PRECISION, LabelledMatrix, MatrixRole
 from supple.importers.node_table import NodeTable
@@ -166,7 +166,7 @@ def _chosen_name(path: Path, names: list[str], role: MatrixRole, name: str | Non
     return fitting[0]
 
 
-def _row_freedoms(source: str, n: int, nodes: NodeTable) -> NDArray[np.int64]:
+def _row_freedoms(source: str, n: int, nodes: NodeTable) -> IntArray:
     if nodes.retained is not None and len(nodes.retained) == n:
         return nodes.retained
     if n != 6 * len(nodes.ids):

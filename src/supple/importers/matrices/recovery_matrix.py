@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.matrices.hdf5_matrices import array_of, opened
 from supple.importers.matrices.matrix_file import HDF5_SUFFIXES
@@ -26,9 +26,6 @@ from supple.importers.node_table import NodeTable
 from supple.importers.numbering import positions_of_ids
 
 __all__ = ["RecoveryMatrix", "read_recovery"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,16 +10,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.inclusion import Inclusions, included_file
 from supple.importers.nastran.without_effect import has_no_effect
 from supple.importers.plain_number import is_plain, plain_integer
 from supple.importers.text_file import is_file
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 _CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}$")
 _EXPONENT_WITHOUT_E = re.compile(r"([+-]?[0-9]*\.?[0-9]*)([+-][0-9]+)$")

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.deck import DeckElements, IsotropicMaterial, Property, ShellProperty, SolidProperty
 from supple.importers.nastran.bulk_data import BulkCard, by_id, integer_column
 from supple.importers.nastran.deck_reading import DeckReading
@@ -18,9 +18,6 @@ from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, spli
 from supple.mesh import CellType
 
 __all__ = ["SHELL_CARDS", "SOLID_CARDS", "SOLID_PROPERTY_CARDS", "read_shells", "read_solids"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from supple.arrays import FloatArray
 
 
 class CoordinateKind(Enum):

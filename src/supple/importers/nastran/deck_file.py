@@ -8,8 +8,8 @@ from itertools import chain
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.deck import Deck, DeckElements, LeftOut, NodalMatrix, RigidTie, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile, read_bulk_data
@@ -49,8 +49,6 @@ __all__ = [
     "read_nastran_deck",
     "with_sections",
 ]
-
-IntArray = NDArray[np.int64]
 
 _READ = frozenset(
     (
@@ -329,7 +327,7 @@ def _deck(reading: DeckReading) -> Deck:
 
 def _with_rotations(
     reading: DeckReading, elements: list[DeckElements], matrices: list[NodalMatrix]
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Mask (N,) of the grids whose rotations have an effect.
 
     Rotations act in elements, springs, dashpots, masses, matrices, constraints or ties.

@@ -6,17 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.deck import LeftOut, NodalMatrix, ScalarTerms
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 from supple.importers.nastran.case_control import CaseControl
 from supple.importers.nastran.coordinate_system import CoordinateSystem
 from supple.importers.nastran.grids import GridPoints
 from supple.importers.numbering import positions_of_ids
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 Term = tuple[int, float]
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile, integer_column, reals
 from supple.importers.nastran.coordinate_system import (
@@ -16,9 +17,6 @@ from supple.importers.nastran.coordinate_system import (
     through_points,
 )
 from supple.importers.numbering import positions_of_ids
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 COORDINATE_CARDS = ("CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C", "CORD1S")
 _COORDINATES = {
@@ -47,7 +45,7 @@ class GridPoints:
     cards: tuple[BulkCard, ...]
     systems: dict[int, CoordinateSystem]
 
-    def lookup(self, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+    def lookup(self, ids: IntArray) -> tuple[IntArray, BoolArray]:
         """Numbers from 0 of grid ids, and whether the grids exist."""
         return positions_of_ids(self.ids, ids)
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from math import atan2, ceil, pi, sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray
 from supple.importers.deck import BeamProperty, DeckElements, Property
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile, by_id
 from supple.importers.nastran.cells import Properties, grids_named
@@ -26,8 +26,6 @@ from supple.importers.plain_number import is_plain_digits
 from supple.mesh import CellType
 
 __all__ = ["BEAM_CARDS", "ROD_CARDS", "beams_filled", "read_beams", "read_rods"]
-
-FloatArray = NDArray[np.float64]
 
 BEAM_CARDS = ("CBAR", "CBEAM", "CBEND")
 ROD_CARDS = ("CROD", "CTUBE", "CONROD")
@@ -48,7 +46,7 @@ class _Lines:
     lines: list[int] = field(default_factory=list)
     directions: list[FloatArray] = field(default_factory=list)
     offsets: list[FloatArray] = field(default_factory=list)
-    released: list[NDArray[np.bool_]] = field(default_factory=list)
+    released: list[BoolArray] = field(default_factory=list)
 
     def add(
         self,
@@ -56,7 +54,7 @@ class _Lines:
         ends: list[int],
         direction: FloatArray | None = None,
         offsets: FloatArray | None = None,
-        released: NDArray[np.bool_] | None = None,
+        released: BoolArray | None = None,
     ) -> None:
         """Add the cell of a card between two nodes."""
         self.nodes.append(ends)

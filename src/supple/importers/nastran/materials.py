@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
 from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.temperature import at_temperature
 
 __all__ = ["MATERIAL_CARDS", "Materials", "WallMaterial"]
-
-FloatArray = NDArray[np.float64]
 
 MATERIAL_CARDS = ("MAT1", "MAT2", "MAT8", "MAT9", "MAT11")
 

@@ -6,9 +6,9 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ImportFormatError, SuppleWarning
 from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.connection import Connection
@@ -31,8 +31,6 @@ from supple.importers.node_table import NodeTable
 from supple.mesh import CellType, Mesh
 
 __all__ = ["NASTRAN_SUFFIXES", "read_nastran"]
-
-IntArray = NDArray[np.int64]
 
 NASTRAN_SUFFIXES = (".bdf", ".dat", ".nas", ".blk", ".pch")
 """Suffixes of Nastran bulk data files."""
@@ -169,6 +167,6 @@ def read_nastran_nodes(path: str | Path) -> NodeTable:
     )
 
 
-def _connection(tie: RigidTie, averaged: set[int], positions: NDArray[np.float64]) -> Connection:
+def _connection(tie: RigidTie, averaged: set[int], positions: FloatArray) -> Connection:
     nodes = tie.nodes if tie.reference in averaged else np.append(tie.reference, tie.nodes)
     return Connection(tie.name, nodes, positions[tie.reference], None)

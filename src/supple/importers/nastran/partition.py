@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.importers.deck import Deck, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard, integer_column
 from supple.importers.nastran.deck_reading import DeckReading
@@ -14,8 +14,6 @@ from supple.importers.nastran.superelements import superelement_name
 from supple.importers.restricted_deck import kept_elements, kept_terms, restricted_deck, used_nodes
 
 __all__ = ["PARTITION_CARDS", "partitioned"]
-
-IntArray = NDArray[np.int64]
 
 PARTITION_CARDS = ("SESET", "SEELT")
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.cells import grids_named
@@ -13,8 +13,6 @@ from supple.importers.nastran.materials import Materials
 from supple.importers.plain_number import is_plain_digits
 
 __all__ = ["POINT_CARDS", "POINT_PROPERTY_CARDS", "read_point_elements"]
-
-FloatArray = NDArray[np.float64]
 
 POINT_CARDS = (
     "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CDAMP1", "CDAMP2", "CDAMP3", "CDAMP4", "CMASS1", "CMASS2",
@@ -298,7 +296,7 @@ def _conm1(card: BulkCard, reading: DeckReading) -> NodalMatrix:
     return _kept(6 * node + np.arange(6), axes @ M @ axes.T * reading.mass_factor)
 
 
-def _kept(freedoms: NDArray[np.int64], M: FloatArray) -> NodalMatrix:
+def _kept(freedoms: IntArray, M: FloatArray) -> NodalMatrix:
     """The matrix without zero rows of rotations, so that a mass without inertia needs no rotations."""
     used = np.abs(M).max(axis=1) > 0
     used[:3] = True

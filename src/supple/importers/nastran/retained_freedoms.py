@@ -8,11 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile
-
-IntArray = NDArray[np.int64]
 
 _PHYSICAL, _MODAL = ("ASET", "BSET", "CSET"), ("QSET",)
 # Largest difference of A and B in A THRU B; a larger one is an error.

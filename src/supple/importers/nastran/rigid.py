@@ -5,16 +5,13 @@ from __future__ import annotations
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import BoolArray, FloatArray
 from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.deck_reading import DeckReading, Term, times
 
 __all__ = ["RIGID_CARDS", "read_multipoint_constraints", "read_ties", "turned_by_ties"]
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 RIGID_CARDS = ("RBE2", "RBE3", "RBE1", "RBAR", "RBAR1", "RROD", "RTRPLT", "MPC", "MPCADD")
 
@@ -22,7 +19,7 @@ RIGID_CARDS = ("RBE2", "RBE3", "RBE1", "RBAR", "RBAR1", "RROD", "RTRPLT", "MPC",
 Side = tuple[int, str]
 
 
-def read_ties(reading: DeckReading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
+def read_ties(reading: DeckReading, turning: BoolArray) -> tuple[list[RigidTie], list[WeightedMean]]:
     """Full rigid ties and plain means of translations; other elements are added to `reading.constraints`.
 
     turning : (N,) whether anything but supports acts on the rotations of a grid; if not, as on nodes of
@@ -54,7 +51,7 @@ def read_ties(reading: DeckReading, turning: NDArray[np.bool_]) -> tuple[list[Ri
     return rigid, means
 
 
-def turned_by_ties(reading: DeckReading) -> NDArray[np.bool_]:
+def turned_by_ties(reading: DeckReading) -> BoolArray:
     """Mask (N,) of the grids whose rotations a tie uses; an RBE3 uses no rotations of its averaged grids."""
     found = np.zeros(len(reading.grids.ids), dtype=bool)
 
@@ -111,7 +108,7 @@ def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: DeckReadin
     return reading.grids.numbers(card, ids).tolist() if ids else []
 
 
-def _rbe2(card: BulkCard, reading: DeckReading, turning: NDArray[np.bool_], rigid: list[RigidTie]) -> None:
+def _rbe2(card: BulkCard, reading: DeckReading, turning: BoolArray, rigid: list[RigidTie]) -> None:
     """EID GN CM GM1 .. [ALPHA]: components CM of GM1 .. follow GN rigidly, in the axes CD of each GM."""
     ties = _components(card, card.word(2), "its components")
     reference = reading.node(card, 1, "the grid GN")
@@ -273,9 +270,7 @@ def _rbe1_sides(card: BulkCard, reading: DeckReading) -> tuple[list[Side], list[
     return independent, dependent
 
 
-def _rbe3(
-    card: BulkCard, reading: DeckReading, turning: NDArray[np.bool_], means: list[WeightedMean]
-) -> None:
+def _rbe3(card: BulkCard, reading: DeckReading, turning: BoolArray, means: list[WeightedMean]) -> None:
     """EID - REFGRID REFC WT1 C1 G1,1 G1,2 .. WT2 C2 G2,1 .. [UM ..] [ALPHA ..].
 
     UM is not used: it selects the dependent freedoms, and does not change the equations.

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from supple.arrays import FloatArray, IntArray
 from supple.importers.deck import Deck, LeftOut
 from supple.importers.merged_decks import CommonNodes, merged_decks
 from supple.importers.moved_deck import moved_deck
@@ -18,9 +18,6 @@ from supple.importers.numbering import positions_of_ids
 from supple.importers.restricted_deck import used_nodes
 
 __all__ = ["SUPERELEMENT_CARDS", "assembled", "repeated_parts", "superelement_name"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SUPERELEMENT_CARDS = ("SEBULK", "SELOC", "SEMPLN", "SECONCT", "SEBNDRY", "SEEXCLD")
 

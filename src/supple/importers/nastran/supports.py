@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.errors import ImportFormatError
 from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
@@ -16,8 +16,6 @@ from supple.importers.numbering import positions_of_ids
 from supple.importers.plain_number import number_of_word
 
 __all__ = ["SUPPORT_CARDS", "read_matrices", "read_supports"]
-
-IntArray = NDArray[np.int64]
 
 SUPPORT_CARDS = ("SPC", "SPC1", "SPCADD", "ASET", "ASET1", "DMIG")
 

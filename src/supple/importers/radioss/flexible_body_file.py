@@ -24,16 +24,13 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.plain_number import in_sixteen_columns
 from supple.importers.text_file import file_lines
 
 __all__ = ["FlexibleBodyFile", "read_flexible_body_file", "write_flexible_body_file"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _MOST = 10_000_000
 """Largest number of nodes or of modes in the first line; a larger number is an ImportFormatError."""

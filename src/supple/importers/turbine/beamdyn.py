@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import scipy  # its parts are imported when first used
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ImportFormatError
 from supple.importers.plain_number import number_of_word, plain_integer
 from supple.importers.section_table import SectionTable, check_sections, twisted_axes
@@ -17,8 +17,6 @@ from supple.importers.text_file import file_lines
 from supple.importers.turbine.fine_grid import fine_grid, matrices_at
 
 __all__ = ["read_beamdyn_sections"]
-
-FloatArray = NDArray[np.float64]
 
 SAMPLES = 20
 """Number of chords between two key points whose lengths add up to the length of the curve."""

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from supple.arrays import FloatArray
 
 PIECES = 100
 """Smallest number of straight pieces of a blade: no step exceeds 1 / PIECES of its length."""

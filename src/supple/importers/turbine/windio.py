@@ -6,16 +6,14 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ImportFormatError, MeshError, SuppleWarning
 from supple.importers.turbine.windio_file import WindioFile
 from supple.mesh import AirfoilSection, BladeStations
 from supple.mesh.blade_stations import SHAPE_POINTS
 
 __all__ = ["read_windio_blade"]
-
-FloatArray = NDArray[np.float64]
 
 
 def read_windio_blade(path: str | Path) -> BladeStations:

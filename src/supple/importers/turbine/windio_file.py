@@ -9,13 +9,11 @@ from typing import Any, Self
 import numpy as np
 import scipy  # its parts are imported when first used
 import yaml
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ImportFormatError
 from supple.importers.plain_number import number_of_word
 from supple.importers.text_file import file_text
-
-FloatArray = NDArray[np.float64]
 
 # The compiled parser, if installed, reads the same words ten times as fast.
 _LOADER: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)

@@ -5,16 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ImportFormatError
 from supple.importers.section_table import UPPER, SectionTable, check_sections, section_matrix, twisted_axes
 from supple.importers.turbine.fine_grid import fine_grid, matrices_at
 from supple.importers.turbine.windio_file import WindioFile
 
 __all__ = ["read_windio_sections"]
-
-FloatArray = NDArray[np.float64]
 
 BLADE = ("components", "blade")
 FIRST = (*BLADE, "elastic_properties_mb", "six_x_six")
