@@ -16,24 +16,6 @@ import numpy as np
 from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.mesh import CellType, SectionGeometry
 
-__all__ = [
-    "AnisotropicMaterial",
-    "BeamProperty",
-    "BeamValues",
-    "Deck",
-    "DeckElements",
-    "IsotropicMaterial",
-    "LeftOut",
-    "NodalMatrix",
-    "RigidTie",
-    "RodProperty",
-    "ScalarTerms",
-    "ShellProperty",
-    "SolidProperty",
-    "WallProperty",
-    "WeightedMean",
-]
-
 
 @dataclass(frozen=True)
 class IsotropicMaterial:

@@ -10,8 +10,6 @@ import numpy as np
 from supple.arrays import FloatArray
 from supple.importers.deck import WallProperty
 
-__all__ = ["Ply", "laminate", "moved_wall", "orthotropic_ply"]
-
 # Three Gauss points integrate a polynomial of degree 5; squares of shear flows have degree 4.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 

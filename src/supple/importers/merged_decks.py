@@ -14,8 +14,6 @@ from scipy.sparse.csgraph import connected_components
 from supple.arrays import IntArray
 from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
 
-__all__ = ["CommonNodes", "merged_decks"]
-
 Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 

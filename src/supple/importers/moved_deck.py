@@ -26,8 +26,6 @@ from supple.importers.deck import (
 from supple.mesh import CellType
 from supple.mesh.reference_cell import reference_nodes
 
-__all__ = ["mirrored_order", "moved_deck"]
-
 # Largest absolute value of a component that is treated as zero.
 _NONE = 1e-14
 

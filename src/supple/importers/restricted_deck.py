@@ -10,8 +10,6 @@ import numpy as np
 from supple.arrays import BoolArray, IntArray
 from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
 
-__all__ = ["kept_elements", "kept_terms", "restricted_deck", "used_nodes"]
-
 Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 

@@ -6,8 +6,6 @@ import numpy as np
 
 from supple.arrays import BoolArray, FloatArray, IntArray
 
-__all__ = ["facet_curvature", "sides_across"]
-
 CREASE = np.radians(20.0)
 """Largest angle between neighbours on one smooth surface; beyond it their edge is a crease."""
 ONE_SURFACE = 0.9

@@ -22,8 +22,6 @@ from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
 
-__all__ = ["NodeSection", "flat_section", "sections_along", "shared_pieces"]
-
 # Largest distance between nodes of one plane, relative to the extent along the axis.
 _SAME_PLANE = 1e-6
 # Largest deviation of a section from a plane, relative to the extent of its cells along the normal.

@@ -10,8 +10,6 @@ from supple.arrays import IntArray
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
 
-__all__ = ["FACE_TRIANGLES", "is_shell", "outer_faces", "outer_triangles"]
-
 FACE_TRIANGLES = {
     kind: np.array([(face[0], *pair) for face in kind.faces for pair in pairwise(face[1:])])
     for kind in CellType

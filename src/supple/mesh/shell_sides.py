@@ -9,8 +9,6 @@ from scipy.sparse.csgraph import connected_components
 from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.mesh.facet_curvature import sides_across
 
-__all__ = ["turned_over"]
-
 SMOOTH = np.radians(60.0)
 """Largest angle between neighbours of one wall; plates that meet at a larger angle are separate walls."""
 

@@ -23,8 +23,6 @@ from supple.importers.abaqus.ties import read_ties
 from supple.importers.deck import Deck
 from supple.importers.keyword_file import KeywordBlock, read_keyword_file
 
-__all__ = ["read_abaqus_deck"]
-
 
 @checked_arguments
 def read_abaqus_deck(path: str | Path) -> Deck:

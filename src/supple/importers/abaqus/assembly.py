@@ -11,8 +11,6 @@ from supple.arrays import FloatArray
 from supple.importers.abaqus.report import Report
 from supple.importers.keyword_file import KeywordBlock, KeywordFile, fields, numbers
 
-__all__ = ["Scope", "ScopedBlock", "scoped_blocks"]
-
 
 @dataclass(frozen=True, eq=False)
 class Scope:

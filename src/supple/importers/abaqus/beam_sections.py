@@ -17,8 +17,6 @@ from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial
 from supple.importers.keyword_file import fields, numbers
 from supple.mesh import SectionGeometry
 
-__all__ = ["SectionOfBeams", "read_beam_section"]
-
 _OF_SECTIONS = ("CENTROID", "SHEARCENTER", "SECTIONPOINTS")
 
 

@@ -11,8 +11,6 @@ import numpy as np
 
 from supple.mesh import SectionGeometry, Wall, circular_section, rectangular_section, walled_section
 
-__all__ = ["BeamShape", "beam_shape"]
-
 _Rectangle = tuple[float, float, float, float, float]
 """From y, to y, from z, to z, and the sign of the area."""
 

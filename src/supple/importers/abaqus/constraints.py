@@ -19,8 +19,6 @@ from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.keyword_file import fields, numbers
 from supple.importers.plain_number import is_plain_digits
 
-__all__ = ["DeckConstraints", "read_constraints"]
-
 _ALL = (1, 2, 3, 4, 5, 6)
 _WHOLE = ({1, 2, 3}, {4, 5, 6}, {*_ALL})  # the same in all axes
 _MPC_NODES = {"TIE": 2, "PIN": 2, "BEAM": 2, "LINK": 2, "LINEAR": 3, "SLIDER": 3, "QUADRATIC": 4}

@@ -20,8 +20,6 @@ from supple.importers.keyword_file import IntegerRows, KeywordBlock, KeywordFile
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
 
-__all__ = ["AbaqusModel", "DeckSurface", "read_model"]
-
 
 @dataclass(frozen=True, eq=False)
 class DeckSurface:

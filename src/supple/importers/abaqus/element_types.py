@@ -13,17 +13,6 @@ from supple.arrays import FloatArray, IntArray
 from supple.importers.quadrilateral import split_quadratic_surfaces, split_quadrilaterals
 from supple.mesh import CellType
 
-__all__ = [
-    "CELLS",
-    "CELL_FAMILIES",
-    "ElementType",
-    "Family",
-    "all_faces",
-    "cells_of",
-    "element_type",
-    "face_nodes",
-]
-
 
 class Family(Enum):
     """Role of an element in a body."""

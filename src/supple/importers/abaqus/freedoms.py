@@ -12,8 +12,6 @@ from supple.importers.abaqus.orientation import cylindrical_axes
 from supple.importers.deck import ScalarTerms
 from supple.importers.keyword_file import fields, numbers
 
-__all__ = ["Freedoms", "Rows", "Terms", "along", "rigid_terms"]
-
 Terms = list[tuple[int, float]]
 
 

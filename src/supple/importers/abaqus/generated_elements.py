@@ -16,8 +16,6 @@ from supple.importers.moved_deck import mirrored_order
 from supple.importers.plain_number import is_plain_digits, plain_integer
 from supple.mesh import CellType
 
-__all__ = ["copied_elements", "generated_elements"]
-
 
 def generated_elements(
     file: KeywordFile, node_labels: Labels, placed: ScopedBlock, earlier: Sequence[ElementBlock]

@@ -11,8 +11,6 @@ from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.deck import Deck
 from supple.importers.restricted_deck import restricted_deck
 
-__all__ = ["decks_of_instances"]
-
 
 def decks_of_instances(deck: Deck, model: AbaqusModel) -> Deck:
     """The deck; if it has several instances, `superelements` contains a deck for each of them."""

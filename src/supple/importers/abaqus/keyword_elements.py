@@ -9,8 +9,6 @@ import numpy as np
 from supple.arrays import BoolArray, IntArray
 from supple.importers.abaqus.element_types import ElementType
 
-__all__ = ["ElementBlock", "Labels"]
-
 
 @dataclass(frozen=True, eq=False)
 class ElementBlock:

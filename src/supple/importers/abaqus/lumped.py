@@ -16,8 +16,6 @@ from supple.importers.abaqus.orientation import Orientation
 from supple.importers.deck import NodalMatrix, ScalarTerms
 from supple.importers.keyword_file import fields, numbers
 
-__all__ = ["read_masses", "read_springs"]
-
 
 def read_masses(
     model: AbaqusModel, freedoms: Freedoms, orientations: Mapping[tuple[int, str], Orientation]

@@ -11,8 +11,6 @@ from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
 from supple.importers.keyword_file import KeywordBlock, fields, numbers
 
-__all__ = ["DeckMaterial", "engineering_constants", "read_materials"]
-
 DeckMaterial = IsotropicMaterial | AnisotropicMaterial
 
 _INELASTIC = (

@@ -9,8 +9,6 @@ import numpy as np
 from supple.arrays import FloatArray
 from supple.importers.abaqus.freedoms import Terms, along
 
-__all__ = ["mpc_rows"]
-
 
 def mpc_rows(
     kind: str, first: int, others: Sequence[int], positions: FloatArray

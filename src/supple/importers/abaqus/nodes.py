@@ -15,8 +15,6 @@ from supple.importers.keyword_file import KeywordBlock, KeywordFile, fields, num
 from supple.importers.numbering import positions_of_ids
 from supple.importers.plain_number import is_plain_digits
 
-__all__ = ["NODE_KEYWORDS", "NodesFound", "each_once", "most_generated", "plain_ids", "read_nodes"]
-
 NODE_KEYWORDS = ("NODE", "NGEN", "NFILL", "NCOPY", "SYSTEM")
 """Keywords that `read_nodes` reads; *NMAP raises ImportFormatError."""
 

@@ -15,8 +15,6 @@ from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.keywords import LEFT_OUT
 from supple.importers.keyword_file import fields, numbers
 
-__all__ = ["Orientation", "cylindrical_axes", "read_orientations"]
-
 
 @dataclass(frozen=True, eq=False)
 class Orientation:

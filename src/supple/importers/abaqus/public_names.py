@@ -11,8 +11,6 @@ from supple.arrays import IntArray
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.keyword_elements import Labels
 
-__all__ = ["PublicIds", "public_ids", "public_name", "public_sets"]
-
 
 @dataclass(frozen=True, eq=False)
 class PublicIds:

@@ -9,8 +9,6 @@ from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import Family
 from supple.importers.keyword_file import fields
 
-__all__ = ["read_releases", "released_ends"]
-
 # Freedoms of rotations about the beam axis x (T) and the section axes y (M1) and z (M2).
 _ROTATIONS = {"T": (3,), "M1": (4,), "M2": (5,), "ALLM": (3, 4, 5)}
 _ENDS = {"S1": 0, "S2": 6}

@@ -8,8 +8,6 @@ from supple.errors import ImportFormatError
 from supple.importers.deck import LeftOut
 from supple.importers.keyword_file import KeywordBlock, KeywordFile
 
-__all__ = ["Report"]
-
 
 class Report:
     """Counts of keywords read and ignored, omissions, notes and doubts.

@@ -30,8 +30,6 @@ from supple.importers.deck import (
 from supple.importers.keyword_file import fields, numbers
 from supple.mesh import CellType
 
-__all__ = ["read_elements"]
-
 
 @dataclass(frozen=True, eq=False)
 class SectionOfSolids:

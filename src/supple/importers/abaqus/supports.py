@@ -8,8 +8,6 @@ from supple.importers.deck import ScalarTerms
 from supple.importers.keyword_file import fields, numbers
 from supple.importers.plain_number import is_plain_digits
 
-__all__ = ["read_supports"]
-
 _NAMED = {
     "ENCASTRE": (1, 2, 3, 4, 5, 6), "PINNED": (1, 2, 3), "XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6),
     "ZSYMM": (3, 4, 5), "XASYMM": (2, 3, 4), "YASYMM": (1, 3, 5), "ZASYMM": (1, 2, 6), "NOWARP": (),

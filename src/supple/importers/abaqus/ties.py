@@ -15,8 +15,6 @@ from supple.importers.abaqus.element_types import Family
 from supple.importers.abaqus.freedoms import Rows
 from supple.importers.keyword_file import fields, numbers
 
-__all__ = ["read_ties"]
-
 _DEFAULT_TOLERANCE = 0.05
 """Distance, relative to `_face_size` of the master, up to which nodes are tied (CalculiX: 0.025)."""
 _CANDIDATES = 16

@@ -17,8 +17,6 @@ from supple.importers.deck import IsotropicMaterial, ShellProperty, WallProperty
 from supple.importers.keyword_file import KeywordBlock, fields, numbers
 from supple.importers.laminate import Ply, laminate, orthotropic_ply
 
-__all__ = ["SectionOfShells", "read_shell_section", "thickness_of_sections"]
-
 _FLAT, _ACROSS = [0, 1, 5], [4, 3]  # xx yy xy, and xz yz, of a solid's strains
 _ALONG_NORMAL = np.cos(np.radians(0.1))
 

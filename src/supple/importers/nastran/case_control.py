@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 from supple.importers.plain_number import is_plain_digits
 
-__all__ = ["CaseControl", "read_case_control"]
-
 _COMMAND = re.compile(r"\s*([A-Z][A-Z0-9]*)\s*(?:\([^)]*\))?\s*=\s*(.+?)\s*$", re.IGNORECASE)
 _TEMPERATURE = re.compile(r"\s*TEMP(?:E[A-Z]*)?\s*(?:\((?!LOAD)[^)]*\))?\s*=\s*(\d+)", re.IGNORECASE)
 _SUBCASE = re.compile(r"\s*SUBCASE\b", re.IGNORECASE)

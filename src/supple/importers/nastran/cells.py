@@ -17,8 +17,6 @@ from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
 from supple.mesh import CellType
 
-__all__ = ["SHELL_CARDS", "SOLID_CARDS", "SOLID_PROPERTY_CARDS", "read_shells", "read_solids"]
-
 
 @dataclass(frozen=True)
 class _Solid:

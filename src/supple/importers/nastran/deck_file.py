@@ -40,16 +40,6 @@ from supple.importers.nastran.walls import WALL_CARDS
 from supple.importers.nastran.without_effect import has_no_effect
 from supple.importers.plain_number import is_plain_digits
 
-__all__ = [
-    "CARDS_NOT_READ",
-    "CELLS_NOT_READ",
-    "CONNECTIONS_NOT_READ",
-    "deck_of_cards",
-    "has_no_sections",
-    "read_nastran_deck",
-    "with_sections",
-]
-
 _READ = frozenset(
     (
         *("GRID", "GRDSET", "SPOINT", "EPOINT", "PARAM", "BAROR", "BEAMOR"),

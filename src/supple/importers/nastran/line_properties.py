@@ -15,8 +15,6 @@ from supple.importers.nastran.materials import Materials
 from supple.importers.nastran.section_shapes import SHAPES, SectionValues
 from supple.mesh import SectionGeometry
 
-__all__ = ["BEAM_PROPERTY_CARDS", "ROD_PROPERTY_CARDS", "has_warping", "read_beam", "read_rod", "rod"]
-
 BEAM_PROPERTY_CARDS = ("PBAR", "PBARL", "PBEAM", "PBEAML", "PBEND")
 ROD_PROPERTY_CARDS = ("PROD", "PTUBE")
 

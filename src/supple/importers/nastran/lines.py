@@ -25,8 +25,6 @@ from supple.importers.nastran.materials import Materials
 from supple.importers.plain_number import is_plain_digits
 from supple.mesh import CellType
 
-__all__ = ["BEAM_CARDS", "ROD_CARDS", "beams_filled", "read_beams", "read_rods"]
-
 BEAM_CARDS = ("CBAR", "CBEAM", "CBEND")
 ROD_CARDS = ("CROD", "CTUBE", "CONROD")
 

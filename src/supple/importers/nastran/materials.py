@@ -12,8 +12,6 @@ from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.temperature import at_temperature
 
-__all__ = ["MATERIAL_CARDS", "Materials", "WallMaterial"]
-
 MATERIAL_CARDS = ("MAT1", "MAT2", "MAT8", "MAT9", "MAT11")
 
 # Nastran lists strains xx yy zz xy yz zx; a deck xx yy zz yz xz xy.

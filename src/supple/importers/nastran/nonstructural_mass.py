@@ -7,8 +7,6 @@ import numpy as np
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.deck_reading import DeckReading
 
-__all__ = ["NSM_CARDS", "read_added_mass"]
-
 NSM_CARDS = ("NSM", "NSM1", "NSML", "NSML1", "NSMADD")
 
 _SHELLS = ("CQUAD4", "CQUADR", "CQUAD8", "CTRIA3", "CTRIAR", "CTRIA6")

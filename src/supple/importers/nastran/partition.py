@@ -13,8 +13,6 @@ from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.superelements import superelement_name
 from supple.importers.restricted_deck import kept_elements, kept_terms, restricted_deck, used_nodes
 
-__all__ = ["PARTITION_CARDS", "partitioned"]
-
 PARTITION_CARDS = ("SESET", "SEELT")
 
 

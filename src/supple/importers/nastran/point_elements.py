@@ -12,8 +12,6 @@ from supple.importers.nastran.deck_reading import DeckReading, FreedomSums, Term
 from supple.importers.nastran.materials import Materials
 from supple.importers.plain_number import is_plain_digits
 
-__all__ = ["POINT_CARDS", "POINT_PROPERTY_CARDS", "read_point_elements"]
-
 POINT_CARDS = (
     "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CDAMP1", "CDAMP2", "CDAMP3", "CDAMP4", "CMASS1", "CMASS2",
     "CMASS3", "CMASS4", "CBUSH", "CBUSH1D", "CVISC", "CONM1", "CONM2", "CSHEAR",

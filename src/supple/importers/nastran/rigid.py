@@ -11,8 +11,6 @@ from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.deck_reading import DeckReading, Term, times
 
-__all__ = ["RIGID_CARDS", "read_multipoint_constraints", "read_ties", "turned_by_ties"]
-
 RIGID_CARDS = ("RBE2", "RBE3", "RBE1", "RBAR", "RBAR1", "RROD", "RTRPLT", "MPC", "MPCADD")
 
 # A node, and which of its six components: one side of a tie.

@@ -10,8 +10,6 @@ import numpy as np
 
 from supple.mesh import SectionGeometry, Wall, circular_section, rectangular_section, walled_section
 
-__all__ = ["SHAPES", "SectionShape", "SectionValues"]
-
 
 @dataclass(frozen=True)
 class SectionValues:

@@ -17,8 +17,6 @@ from supple.importers.nastran.grids import GridPoints
 from supple.importers.numbering import positions_of_ids
 from supple.importers.restricted_deck import used_nodes
 
-__all__ = ["SUPERELEMENT_CARDS", "assembled", "repeated_parts", "superelement_name"]
-
 SUPERELEMENT_CARDS = ("SEBULK", "SELOC", "SEMPLN", "SECONCT", "SEBNDRY", "SEEXCLD")
 
 # Nastran's tolerance for common grids of two superelements, in the unit of the file.

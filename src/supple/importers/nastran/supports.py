@@ -15,8 +15,6 @@ from supple.importers.nastran.retained_freedoms import retained_freedoms
 from supple.importers.numbering import positions_of_ids
 from supple.importers.plain_number import number_of_word
 
-__all__ = ["SUPPORT_CARDS", "read_matrices", "read_supports"]
-
 SUPPORT_CARDS = ("SPC", "SPC1", "SPCADD", "ASET", "ASET1", "DMIG")
 
 

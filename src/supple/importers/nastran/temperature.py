@@ -9,8 +9,6 @@ import numpy as np
 from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.deck_reading import DeckReading
 
-__all__ = ["at_temperature"]
-
 _MATERIALS = ("MATT1", "MATT2", "MATT3", "MATT8", "MATT9", "MATT11")
 _FIELDS = ("TEMP", "TEMPP1", "TEMPP3", "TEMPRB", "TEMPF", "TEMPG")
 _OF_STIFFNESS_AND_MASS = range(1, 5)

@@ -12,8 +12,6 @@ from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.materials import Materials, WallMaterial
 
-__all__ = ["WALL_CARDS", "WallOptions", "read_wall"]
-
 WALL_CARDS = ("PSHELL", "PCOMP", "PCOMPG")
 
 
