@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +57,11 @@ class KeywordFile:
         """The error for a mistake found at a line of this file."""
         path, number, _ = self.lines[line]
         return ImportFormatError(f"{path}, line {number}: {message}")
+
+    @cached_property
+    def numbers(self) -> IntArray:
+        """Number of each line in its file."""
+        return np.array([number for _, number, _ in self.lines], dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -146,6 +152,11 @@ def numbers(file: KeywordFile, line: int, words: list[str]) -> list[float]:
     """Words of a data line as numbers; an empty word counts as 0."""
     plain = [(word or "0").upper().replace("D", "E") for word in words]
     return _converted(file, plain, np.full(len(plain), line), np.float64).tolist()
+
+
+def number_rows(file: KeywordFile, block: KeywordBlock) -> list[list[float]]:
+    """The numbers of each data line of a block."""
+    return [numbers(file, line, fields(text)) for line, text in block.data]
 
 
 def _converted(file: KeywordFile, words: list[str], lines: IntArray, dtype: type) -> NDArray:

@@ -45,7 +45,7 @@ def read_abaqus_deck(path: str | Path) -> Deck:
     constraints = read_constraints(model, freedoms, ids, orientations)
     read_ties(model, constraints.rows)
     elements, properties = read_elements(model, ids, orientations)
-    inertias, masses = read_masses(model, freedoms, orientations)
+    inertias, masses = read_masses(model, orientations)
     springs = read_springs(model, freedoms, Family.SPRING, "SPRING")
     dashpots = read_springs(model, freedoms, Family.DASHPOT, "DASHPOT")
     held = read_supports(model, freedoms)
@@ -67,7 +67,7 @@ def read_abaqus_deck(path: str | Path) -> Deck:
         springs=springs,
         dashpots=dashpots,
         inertias=inertias,
-        constraints=constraints.rows.terms(with_values=False),
+        constraints=constraints.rows.terms(constraints=True),
         held=held,
         rigid=tuple(constraints.rigid),
         means=tuple(constraints.means),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import ElementType
 from supple.importers.abaqus.materials import DeckMaterial
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial
-from supple.importers.keyword_file import fields, numbers
+from supple.importers.keyword_file import fields, number_rows, numbers
 from supple.mesh import SectionGeometry
 
 _OF_SECTIONS = ("CENTROID", "SHEARCENTER", "SECTIONPOINTS")
@@ -141,9 +142,7 @@ def _with_centres(model: AbaqusModel, placed: ScopedBlock, shape: BeamShape) -> 
     for each in model.blocks[start + 1 : start + 4]:
         if each.block.key not in _OF_SECTIONS or not each.block.data:
             break
-        values = [
-            value for line, text in each.block.data for value in numbers(model.file, line, fields(text))
-        ]
+        values = list(chain(*number_rows(model.file, each.block)))
         model.report.read[each.block.name] += 1
         if each.block.key == "SECTIONPOINTS":
             points = SectionGeometry(tuple(zip(values[::2], values[1::2], strict=False)))

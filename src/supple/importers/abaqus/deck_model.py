@@ -102,6 +102,14 @@ class AbaqusModel:
         found = [block.nodes[places].ravel() for block, places in self.positions_of_elements(numbers)]
         return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))
 
+    def nodes_of_families(self, *families: Family) -> BoolArray:
+        """Mask (N,) of the nodes of elements of these families."""
+        found = np.zeros(len(self.positions), dtype=bool)
+        for block in self.elements:
+            if block.type.family in families:
+                found[block.nodes] = True
+        return found
+
     def _meanings(self, scope: int, name: str) -> Iterator[tuple[int, str]]:
         """Keys that a name can have: in this scope, in an instance, in the model or the only instance."""
         yield scope, name

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 
@@ -10,15 +11,16 @@ from supple.arrays import FloatArray, IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import Family
-from supple.importers.abaqus.freedoms import Freedoms, Rows, along
+from supple.importers.abaqus.freedoms import Freedoms
 from supple.importers.abaqus.keyword_elements import ElementBlock
-from supple.importers.abaqus.orientation import Orientation
+from supple.importers.abaqus.orientation import Orientations, nodal_axes
 from supple.importers.deck import NodalMatrix, ScalarTerms
-from supple.importers.keyword_file import fields, numbers
+from supple.importers.freedom_sums import FreedomSums, motion_along, relative_motion
+from supple.importers.keyword_file import number_rows
 
 
 def read_masses(
-    model: AbaqusModel, freedoms: Freedoms, orientations: Mapping[tuple[int, str], Orientation]
+    model: AbaqusModel, orientations: Orientations
 ) -> tuple[tuple[ScalarTerms, ...], tuple[NodalMatrix, ...]]:
     """*MASS as terms, *ROTARY INERTIA as matrices of the rotations of a node.
 
@@ -27,10 +29,10 @@ def read_masses(
     ImportFormatError   a mass that is missing or negative; an inertia that is not positive semidefinite;
                         words instead of numbers
     """
-    rows = Rows(freedoms.lines)
+    rows = FreedomSums()
     matrices: list[NodalMatrix] = []
     for placed in model.named("MASS"):
-        values = _values(model, placed)
+        values = list(chain(*number_rows(model.file, placed.block)))
         by_axis = placed.block.options.get("TYPE", "").upper().startswith("ANISO")
         m = values[:3] if by_axis else 3 * values[:1]
         if len(m) < 3 or min(m) < 0:
@@ -40,16 +42,15 @@ def read_masses(
             )
         for block, places in _elements(model, placed, Family.MASS):
             nodes = block.nodes[places, 0]
-            axes = np.tile(np.eye(3), (len(nodes), 1, 1))
+            axes, line = np.tile(np.eye(3), (len(nodes), 1, 1)), model.file.numbers[placed.block.line]
             if by_axis:
                 axes = _axes(model, placed, orientations, nodes)
             for node, own in zip(nodes.tolist(), axes, strict=True):
                 for i in range(3):
-                    terms = [(6 * node + j, float(own[j, i])) for j in range(3) if abs(own[j, i]) > 1e-14]
                     if m[i]:
-                        rows.add(terms, placed.block.line, value=m[i])
+                        rows.add(motion_along(node, own[:, i]), line, value=m[i])
     for placed in model.named("ROTARYINERTIA"):
-        v = [*_values(model, placed), *6 * [0.0]][:6]
+        v = [*chain(*number_rows(model.file, placed.block)), *6 * [0.0]][:6]
         given = np.array([[v[0], v[3], v[4]], [v[3], v[1], v[5]], [v[4], v[5], v[2]]])
         if np.linalg.eigvalsh(given)[0] < -1e-9 * np.abs(given).max():
             raise model.file.error(
@@ -60,20 +61,15 @@ def read_masses(
             nodes = block.nodes[places, 0]
             for node, axes in zip(nodes.tolist(), _axes(model, placed, orientations, nodes), strict=True):
                 matrices.append(NodalMatrix(6 * node + np.arange(3, 6), axes @ given @ axes.T))
-    return rows.terms(with_values=True), tuple(matrices)
+    return rows.terms(), tuple(matrices)
 
 
-def _axes(
-    model: AbaqusModel,
-    placed: ScopedBlock,
-    orientations: Mapping[tuple[int, str], Orientation],
-    nodes: IntArray,
-) -> FloatArray:
+def _axes(model: AbaqusModel, placed: ScopedBlock, orientations: Orientations, nodes: IntArray) -> FloatArray:
     """Axes (n, 3, 3) of a mass or inertia at nodes as columns: those of ORIENTATION, or of the instance."""
+    found = nodal_axes(model, placed, orientations, nodes)
+    if found is not None:
+        return found
     name = placed.block.options.get("ORIENTATION", "").upper()
-    found = orientations.get((placed.scope, name)) or orientations.get((0, name))
-    if found is not None and not found.distributed:
-        return found.axes(model.positions[nodes], np.full(len(nodes), -1))
     if name:
         model.report.leave_out_block(placed.block, f"its axes '{name}' are not read; global axes are used")
     return np.tile(model.scopes[placed.scope].rotation, (len(nodes), 1, 1))
@@ -88,10 +84,10 @@ def read_springs(
     ------
     ImportFormatError   values or freedoms that are missing; words instead of numbers
     """
-    rows = Rows(freedoms.lines)
+    rows = FreedomSums()
     for placed in model.named(keyword):
         block = placed.block
-        values = [numbers(model.file, line, fields(text)) for line, text in block.data]
+        values = number_rows(model.file, block)
         if "ORIENTATION" in block.options:
             model.report.leave_out_block(block, "its direction is not read; global axes are used")
         for elements, places in _elements(model, placed, family):
@@ -107,27 +103,25 @@ def read_springs(
                 model.report.leave_out_block(block, "it acts on freedoms other than 1 to 6")
                 continue
             value = _slope(model, placed, values[wanted - 1 :])
-            if elements.type.n_nodes == 1:
-                nodes, lines = elements.nodes[places, 0].tolist(), elements.lines[places].tolist()
-                for node, line in zip(nodes, lines, strict=True):
-                    rows.add(freedoms.of(node, int(values[0][0])), line, value=value)
-                continue
-            for (first, second), line in zip(
+            for nodes, at in zip(
                 elements.nodes[places].tolist(), elements.lines[places].tolist(), strict=True
             ):
-                if not of_line:
+                first, second, line = nodes[0], nodes[-1], model.file.numbers[at]
+                span = model.positions[second] - model.positions[first]
+                if elements.type.n_nodes == 1:
+                    rows.add(freedoms.of(first, int(values[0][0])), line, value=value)
+                elif not of_line:
                     i, j = (int(component) for component in values[0][:2])
                     terms = [*freedoms.of(second, j), *freedoms.of(first, i, -1.0)]
                     rows.add(terms, line, value=value)
-                    continue
-                span = model.positions[second] - model.positions[first]
-                if np.linalg.norm(span) > 0:
-                    rows.add(along(first, second, span / np.linalg.norm(span)), line, value=value)
+                elif np.linalg.norm(span) > 0:
+                    terms = relative_motion(second, first, span / np.linalg.norm(span))
+                    rows.add(terms, line, value=value)
                 else:
                     model.report.leave_out(
-                        f"*ELEMENT, TYPE={elements.type.name}", line, "without length it has no direction"
+                        f"*ELEMENT, TYPE={elements.type.name}", at, "without length it has no direction"
                     )
-    return rows.terms(with_values=True)
+    return rows.terms()
 
 
 def _slope(model: AbaqusModel, placed: ScopedBlock, rows: list[list[float]]) -> float:
@@ -154,7 +148,3 @@ def _elements(
     for block, places in model.positions_of_elements(members):
         if block.type.family is family:
             yield block, places
-
-
-def _values(model: AbaqusModel, placed: ScopedBlock) -> list[float]:
-    return [value for line, text in placed.block.data for value in numbers(model.file, line, fields(text))]

@@ -9,7 +9,7 @@ import numpy as np
 from supple.arrays import FloatArray
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
-from supple.importers.keyword_file import KeywordBlock, fields, numbers
+from supple.importers.keyword_file import KeywordBlock, number_rows
 
 DeckMaterial = IsotropicMaterial | AnisotropicMaterial
 
@@ -52,7 +52,7 @@ def read_materials(model: AbaqusModel) -> dict[str, DeckMaterial]:
         elif block.key in _ELASTIC and found:
             found[-1].elastic = block
         elif block.key == "DENSITY" and found:
-            rows = _rows(model, block)
+            rows = number_rows(model.file, block)
             found[-1].density = rows[0][0] if rows else 0.0
         elif block.key in _INELASTIC and found:
             model.report.note(f"*{block.name} of material '{found[-1].name}' is ignored: bodies are elastic")
@@ -81,7 +81,7 @@ def engineering_constants(
 
 def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
     kind = block.options.get("TYPE", "ISOTROPIC").upper()
-    values = [value for row in _rows(model, block) for value in row]
+    values = [value for row in number_rows(model.file, block) for value in row]
     n = next((n for word, n in _CONSTANTS.items() if kind.startswith(word)), None)
     if n is None:
         model.report.leave_out(
@@ -132,7 +132,7 @@ def _without_stiffness(model: AbaqusModel, block: KeywordBlock, material: _Mater
 def _deformation_plasticity(
     model: AbaqusModel, block: KeywordBlock, material: _Material
 ) -> DeckMaterial | None:
-    rows = _rows(model, block)
+    rows = number_rows(model.file, block)
     if not rows or len(rows[0]) < 2:
         raise model.file.error(
             block.line, "*DEFORMATION PLASTICITY begins with E, nu; is the file cut short?"
@@ -142,7 +142,7 @@ def _deformation_plasticity(
 
 def _hyperelastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
     """Isotropic with the moduli at zero strain:  mu = 2 (C10 + C01),  K = 2 / D1, or 20 mu if D1 = 0."""
-    rows = _rows(model, block)
+    rows = number_rows(model.file, block)
     options = block.options.keys()
     named = "NEOHOOKE" in options or "YEOH" in options or "MOONEY-RIVLIN" in options
     if not rows or not named or "TESTDATAINPUT" in options:
@@ -164,16 +164,12 @@ def _hyperelastic(model: AbaqusModel, block: KeywordBlock, material: _Material) 
 
 
 def _user(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
-    rows = _rows(model, block)
+    rows = number_rows(model.file, block)
     # CalculiX ships this law as an example.
     if material.name.upper().startswith("LIN_ISO_EL") and rows and len(rows[0]) > 1:
         return _isotropic(model, block, material, *rows[0][:2])
     model.report.leave_out_block(block, f"the law of material '{material.name}' is user code")
     return None
-
-
-def _rows(model: AbaqusModel, block: KeywordBlock) -> list[list[float]]:
-    return [numbers(model.file, line, fields(text)) for line, text in block.data]
 
 
 _ELASTIC = {

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from supple.arrays import FloatArray
-from supple.importers.abaqus.freedoms import Terms, along
+from supple.importers.freedom_sums import Terms, motion_along, relative_motion
 
 
 def mpc_rows(
@@ -27,7 +27,7 @@ def mpc_rows(
         (a,) = others
         span = place - positions[a]
         if np.linalg.norm(span) > 0:
-            yield along(a, p, span / np.linalg.norm(span)), -1
+            yield relative_motion(p, a, span / np.linalg.norm(span)), -1
         return
     if kind == "SLIDER":
         a, b = others
@@ -36,7 +36,7 @@ def mpc_rows(
             share = float((place - positions[a]) @ along_line / (along_line @ along_line))
             for across in np.linalg.svd(along_line[None])[2][1:]:
                 weights = ((p, 1.0), (a, share - 1.0), (b, -share))
-                yield [(6 * n + i, w * float(across[i])) for n, w in weights for i in range(3)], -1
+                yield [term for n, w in weights for term in motion_along(n, across, w)], -1
         return
     shares = [1.0] if len(others) == 1 else _shares(place, positions[list(others)])
     for component in range(3 if kind == "PIN" else 6):

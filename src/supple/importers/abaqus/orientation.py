@@ -84,7 +84,26 @@ def cylindrical_axes(a: FloatArray, b: FloatArray, places: FloatArray) -> FloatA
     return axes
 
 
-def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientation]:
+Orientations = Mapping[tuple[int, str], Orientation]
+"""Orientations by scope and name in upper case."""
+
+
+def orientation_of(orientations: Orientations, scope: int, name: str) -> Orientation | None:
+    """The orientation of that name in a scope, else in the model; None without one."""
+    return orientations.get((scope, name.upper())) or orientations.get((0, name.upper()))
+
+
+def nodal_axes(
+    model: AbaqusModel, placed: ScopedBlock, orientations: Orientations, nodes: IntArray
+) -> FloatArray | None:
+    """Axes (n, 3, 3) at nodes as columns, by the ORIENTATION of a keyword; None without one that is read."""
+    found = orientation_of(orientations, placed.scope, placed.block.options.get("ORIENTATION", ""))
+    if found is None or found.distributed:
+        return None
+    return found.axes(model.positions[nodes], np.full(len(nodes), -1))
+
+
+def read_orientations(model: AbaqusModel) -> Orientations:
     """Orientations by scope and name in upper case; those by nodes or with distributed angles are left out.
 
     Raises

@@ -15,7 +15,7 @@ from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import CELL_FAMILIES, Family, cells_of
 from supple.importers.abaqus.keyword_elements import ElementBlock
 from supple.importers.abaqus.materials import DeckMaterial, read_materials
-from supple.importers.abaqus.orientation import Orientation
+from supple.importers.abaqus.orientation import Orientation, Orientations, orientation_of
 from supple.importers.abaqus.public_names import PublicIds, public_name
 from supple.importers.abaqus.releases import read_releases, released_ends
 from supple.importers.abaqus.walls import SectionOfShells, read_shell_section, thickness_of_sections
@@ -55,7 +55,7 @@ _SECTIONS = ("SOLIDSECTION", *_OF_WALLS, "BEAMSECTION", "BEAMGENERALSECTION")
 
 
 def read_elements(
-    model: AbaqusModel, ids: PublicIds, orientations: Mapping[tuple[int, str], Orientation]
+    model: AbaqusModel, ids: PublicIds, orientations: Orientations
 ) -> tuple[tuple[DeckElements, ...], dict[str, Property]]:
     """All elements with a section and a material, and their properties.
 
@@ -136,7 +136,7 @@ def _section(
     model: AbaqusModel,
     placed: ScopedBlock,
     materials: Mapping[str, DeckMaterial],
-    orientations: Mapping[tuple[int, str], Orientation],
+    orientations: Orientations,
     thicknesses: Mapping[int, FloatArray],
 ) -> Section | None:
     block, scope = placed.block, placed.scope
@@ -145,7 +145,7 @@ def _section(
         return materials.get(name.upper())
 
     def orientation(name: str) -> Orientation | None:
-        found = orientations.get((scope, name.upper())) or orientations.get((0, name.upper()))
+        found = orientation_of(orientations, scope, name)
         if name and found is None:
             model.report.leave_out(
                 f"*{block.name}, ORIENTATION={name}",
@@ -173,7 +173,6 @@ class _Builder:
 
     def __init__(self, model: AbaqusModel, ids: PublicIds, releases: BoolArray | None) -> None:
         self._model, self._ids, self._releases = model, ids, releases
-        self._lines = np.array([number for _, number, _ in model.file.lines], dtype=np.int64)
         self.elements: list[DeckElements] = []
         self.properties: dict[str, Property] = {}
 
@@ -260,7 +259,7 @@ class _Builder:
                 kind,
                 cells,
                 self._ids.elements[block.first + element],
-                self._lines[block.lines[element]],
+                self._model.file.numbers[block.lines[element]],
                 name,
                 directions,
                 offsets,

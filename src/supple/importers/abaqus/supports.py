@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from supple.importers.abaqus.deck_model import AbaqusModel
-from supple.importers.abaqus.freedoms import Freedoms, Rows
+from supple.importers.abaqus.freedoms import Freedoms
 from supple.importers.deck import ScalarTerms
+from supple.importers.freedom_sums import FreedomSums
 from supple.importers.keyword_file import fields, numbers
 from supple.importers.plain_number import is_plain_digits
 
@@ -22,7 +23,7 @@ def read_supports(model: AbaqusModel, freedoms: Freedoms) -> tuple[ScalarTerms, 
     ------
     ImportFormatError   words instead of numbers; an unknown type of support
     """
-    rows = Rows(freedoms.lines)
+    rows = FreedomSums()
     held: set[tuple[int, int]] = set()
     for placed in model.blocks:
         block = placed.block
@@ -39,8 +40,8 @@ def read_supports(model: AbaqusModel, freedoms: Freedoms) -> tuple[ScalarTerms, 
                 for node in nodes.tolist():
                     if (node, component) not in held:
                         held.add((node, component))
-                        rows.add(freedoms.of(node, component), line)
-    return rows.terms(with_values=False)
+                        rows.add(freedoms.of(node, component), model.file.numbers[line])
+    return rows.terms(constraints=True)
 
 
 def _components(model: AbaqusModel, line: int, words: list[str]) -> list[int]:

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial import KDTree
 
-from supple.arrays import BoolArray, FloatArray, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.deck_model import AbaqusModel, DeckSurface
 from supple.importers.abaqus.element_types import Family
-from supple.importers.abaqus.freedoms import Rows
+from supple.importers.freedom_sums import FreedomSums
 from supple.importers.keyword_file import fields, numbers
 
 _DEFAULT_TOLERANCE = 0.05
@@ -20,7 +20,7 @@ _DEFAULT_TOLERANCE = 0.05
 _CANDIDATES = 16
 
 
-def read_ties(model: AbaqusModel, rows: Rows) -> None:
+def read_ties(model: AbaqusModel, rows: FreedomSums) -> None:
     """Rows  u_slave - sum_j N_j u_j = 0  for slave nodes within the tolerance of a master face.
 
     With TIED NSET, the slave nodes of this set are tied at any distance, and no others. A slave node is moved
@@ -80,7 +80,7 @@ def _tie(
     line: int,
     slave: DeckSurface,
     master: DeckSurface,
-    rows: Rows,
+    rows: FreedomSums,
 ) -> None:
     block, x = placed.block, model.positions
     nodes = slave.nodes[~np.isin(slave.nodes, master.nodes)]
@@ -102,7 +102,7 @@ def _tie(
         best[closer], points[closer] = distances[closer], places[closer]
         for i in closer.tolist():
             where[i] = faces[found[i]], shares[i]
-    turning = _nodes_of(model, Family.SHELL, Family.BEAM)
+    turning = model.nodes_of_families(Family.SHELL, Family.BEAM)
     if "NOROTATION" in block.options:
         turning[:] = False
     near = best <= tolerance + 1e-9 * size
@@ -111,7 +111,7 @@ def _tie(
         for component in range(6 if turning[node] and turning[face].all() else 3):
             terms = [(6 * node + component, 1.0)]
             terms += [(6 * int(j) + component, -float(N)) for j, N in zip(face, shares, strict=True)]
-            rows.add(terms, line, dependent=6 * node + component)
+            rows.add(terms, model.file.numbers[line], dependent=6 * node + component)
     default = "NO" if slave.of_beams or master.of_beams else "YES"
     stays = block.key == "TIE" and block.options.get("ADJUST", default).upper() == "NO"
     if stays and best[near].max(initial=0.0) > 1e-6 * size:
@@ -140,15 +140,6 @@ def _face_size(x: FloatArray, surface: DeckSurface) -> float:
         if faces.shape[1] > 1
     ]
     return float(np.concatenate(spans).mean()) if spans else 1.0
-
-
-def _nodes_of(model: AbaqusModel, *families: Family) -> BoolArray:
-    """Mask (N,) of the nodes of elements of these families."""
-    found = np.zeros(len(model.positions), dtype=bool)
-    for block in model.elements:
-        if block.type.family in families:
-            found[block.nodes] = True
-    return found
 
 
 def _nearest(

@@ -14,7 +14,7 @@ from supple.importers.abaqus.element_types import ElementType, Family
 from supple.importers.abaqus.materials import DeckMaterial
 from supple.importers.abaqus.orientation import Orientation
 from supple.importers.deck import IsotropicMaterial, ShellProperty, WallProperty
-from supple.importers.keyword_file import KeywordBlock, fields, numbers
+from supple.importers.keyword_file import KeywordBlock, fields, number_rows, numbers
 from supple.importers.laminate import Ply, laminate, orthotropic_ply
 
 _FLAT, _ACROSS = [0, 1, 5], [4, 3]  # xx yy xy, and xz yz, of a solid's strains
@@ -140,7 +140,7 @@ def read_shell_section(
         total = sum(ply.thickness for ply in found)
         by_nodes = thicknesses if "NODALTHICKNESS" in block.options else None
         return SectionOfShells(found, None, None, total, offset, axes, by_nodes, density, opposite)
-    rows = [numbers(file, line, fields(text)) for line, text in block.data]
+    rows = number_rows(file, block)
     if block.key == "SHELLGENERALSECTION" and "MATERIAL" not in block.options:
         wall = _general(model, block, [value for row in rows for value in row], density)
         return SectionOfShells((), None, wall, wall.thickness, 0.0, axes, None)

@@ -11,7 +11,15 @@ import numpy as np
 
 from supple.arrays import BoolArray, IntArray
 from supple.errors import ImportFormatError
-from supple.importers.deck import Deck, DeckElements, LeftOut, NodalMatrix, RigidTie, WeightedMean
+from supple.importers.deck import (
+    Deck,
+    DeckElements,
+    LeftOut,
+    NodalMatrix,
+    RigidTie,
+    ScalarTerms,
+    WeightedMean,
+)
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile, read_bulk_data
 from supple.importers.nastran.case_control import read_case_control
 from supple.importers.nastran.cells import (
@@ -283,12 +291,15 @@ def _deck(reading: DeckReading) -> Deck:
         nodes = np.concatenate([nodes, np.array(reading.added_nodes)])
         last = int(max(ids.max(), reading.scalar_points.max(initial=0)))
         ids = np.concatenate([ids, last + 1 + np.arange(len(reading.added_nodes))])
-    n = len(ids)
-    added = {
-        command: tuple(replace(each, freedoms=final_freedoms(each.freedoms, n)) for each in own)
-        for command, own in matrices.items()
-    }
-    return Deck(
+
+    def matrix(given: NodalMatrix) -> NodalMatrix:
+        return replace(given, freedoms=final_freedoms(given.freedoms, len(ids)))
+
+    def terms(given: ScalarTerms) -> ScalarTerms:
+        freedoms, dependent = (final_freedoms(v, len(ids)) for v in (given.freedoms, given.dependent))
+        return replace(given, freedoms=freedoms, dependent=dependent)
+
+    deck = Deck(
         reading.file.path,
         ids,
         nodes,
@@ -296,14 +307,14 @@ def _deck(reading: DeckReading) -> Deck:
         properties,
         node_sets | _tied_sets(rigid, means),
         _element_sets(elements),
-        masses=(*reading.masses, *added["M2GG"]),
-        stiffnesses=added["K2GG"],
-        dampings=added["B2GG"],
-        springs=reading.springs.terms(n),
-        dashpots=reading.dashpots.terms(n),
-        inertias=reading.inertias.terms(n),
-        constraints=reading.constraints.terms(n, constraints=True),
-        held=reading.held.terms(n, constraints=True),
+        masses=(*reading.masses, *matrices["M2GG"]),
+        stiffnesses=tuple(matrices["K2GG"]),
+        dampings=tuple(matrices["B2GG"]),
+        springs=reading.springs.terms(),
+        dashpots=reading.dashpots.terms(),
+        inertias=reading.inertias.terms(),
+        constraints=reading.constraints.terms(constraints=True),
+        held=reading.held.terms(constraints=True),
         rigid=tuple(rigid),
         means=tuple(means),
         read=read,
@@ -313,6 +324,7 @@ def _deck(reading: DeckReading) -> Deck:
         scalar_points=reading.scalar_points,
         lumped_mass=reading.lumped_mass,
     )
+    return deck.with_actions(matrix, terms)
 
 
 def _with_rotations(

@@ -8,14 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from supple.arrays import FloatArray, IntArray
-from supple.importers.deck import LeftOut, NodalMatrix, ScalarTerms
+from supple.importers.deck import LeftOut, NodalMatrix
+from supple.importers.freedom_sums import FreedomSums, Terms, motion_along
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 from supple.importers.nastran.case_control import CaseControl
 from supple.importers.nastran.coordinate_system import CoordinateSystem
 from supple.importers.nastran.grids import GridPoints
 from supple.importers.numbering import positions_of_ids
-
-Term = tuple[int, float]
 
 # Provisional number of the first scalar point; `final_freedoms` replaces it by the number of nodes.
 _SCALARS = 2**40
@@ -24,51 +23,6 @@ _SCALARS = 2**40
 def final_freedoms(given: IntArray, n_nodes: int) -> IntArray:
     """Freedoms in final numbers: `n_nodes`, the number of all nodes, is that of the first scalar point."""
     return np.where(given >= 6 * _SCALARS, given - 6 * (_SCALARS - n_nodes), given)
-
-
-@dataclass(eq=False)
-class FreedomSums:
-    """Linear combinations of freedoms under construction; `terms` returns them as one object.
-
-    freedoms, factors : of all terms, one combination after the other;  counts : number of terms of each
-    lines, values, dependent : one entry for each combination, as in `ScalarTerms`
-    """
-
-    freedoms: list[int] = field(default_factory=list)
-    factors: list[float] = field(default_factory=list)
-    counts: list[int] = field(default_factory=list)
-    lines: list[int] = field(default_factory=list)
-    values: list[float] = field(default_factory=list)
-    dependent: list[int] = field(default_factory=list)
-
-    def add(self, terms: Sequence[Term], line: int, *, value: float = 0.0, dependent: int = -1) -> None:
-        """Add a linear combination; factors of the same freedom are summed, zero sums are removed."""
-        total: dict[int, float] = {}
-        for freedom, factor in terms:
-            total[freedom] = total.get(freedom, 0.0) + factor
-        kept = {f: v for f, v in total.items() if v != 0.0}
-        self.freedoms += kept
-        self.factors += kept.values()
-        self.counts.append(len(kept))
-        self.lines.append(line)
-        self.values.append(value)
-        self.dependent.append(dependent if dependent in kept else -1)
-
-    def terms(self, n_nodes: int, *, constraints: bool = False) -> tuple[ScalarTerms, ...]:
-        """The linear combinations as one ScalarTerms in a tuple; an empty tuple if there are none.
-
-        n_nodes : number of all nodes, which is the number of the first scalar point
-        """
-        if not self.counts:
-            return ()
-        rows = np.repeat(np.arange(len(self.counts)), self.counts)
-        freedoms, dependent = (
-            final_freedoms(np.array(v, dtype=np.int64), n_nodes) for v in (self.freedoms, self.dependent)
-        )
-        factors, lines = np.array(self.factors), np.array(self.lines, dtype=np.int64)
-        if constraints:
-            return (ScalarTerms(rows, freedoms, factors, lines, dependent=dependent),)
-        return (ScalarTerms(rows, freedoms, factors, lines, np.array(self.values)),)
 
 
 @dataclass(eq=False)
@@ -175,7 +129,7 @@ class DeckReading:
         """Whether an id is that of a scalar point."""
         return bool(positions_of_ids(self.scalar_points, np.array([number]))[1][0])
 
-    def freedom(self, card: BulkCard, point: int, component: int) -> list[Term]:
+    def freedom(self, card: BulkCard, point: int, component: int) -> Terms:
         """Terms of a displacement component (1 to 6, in the axes CD of a grid) in basic freedoms.
 
         A scalar point is one freedom, whatever the component. ImportFormatError for a missing point, or a
@@ -189,11 +143,9 @@ class DeckReading:
             raise card.error(f"component {component} of grid {point}; give 1 to 6")
         return self.node_freedom(node, component - 1)
 
-    def node_freedom(self, node: int, component: int) -> list[Term]:
+    def node_freedom(self, node: int, component: int) -> Terms:
         """Terms of component 0 to 5, in the axes CD, of a grid given by its number."""
-        direction = self.grids.axes[node][:, component % 3]
-        first = 6 * node + 3 * (component // 3)
-        return [(first + i, float(direction[i])) for i in np.flatnonzero(np.abs(direction) > 1e-14).tolist()]
+        return motion_along(node, self.grids.axes[node][:, component % 3], rotation=component > 2)
 
 
 def left_out_by_card(given: Sequence[tuple[BulkCard, str]]) -> tuple[LeftOut, ...]:
@@ -204,6 +156,6 @@ def left_out_by_card(given: Sequence[tuple[BulkCard, str]]) -> tuple[LeftOut, ..
     return tuple(LeftOut(name, len(own), min(own), meaning) for (name, meaning), own in lines.items())
 
 
-def times(terms: Sequence[Term], factor: float) -> list[Term]:
+def times(terms: Terms, factor: float) -> Terms:
     """Terms multiplied by a factor."""
     return [(freedom, factor * value) for freedom, value in terms]

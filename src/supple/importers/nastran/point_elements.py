@@ -6,9 +6,10 @@ import numpy as np
 
 from supple.arrays import FloatArray, IntArray
 from supple.importers.deck import NodalMatrix
+from supple.importers.freedom_sums import FreedomSums, Terms, motion_along
 from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.cells import grids_named
-from supple.importers.nastran.deck_reading import DeckReading, FreedomSums, Term, times
+from supple.importers.nastran.deck_reading import DeckReading, times
 from supple.importers.nastran.materials import Materials
 from supple.importers.plain_number import is_plain_digits
 
@@ -89,7 +90,7 @@ def _scalar(
     else:
         value = card.real(1, "its value", 0.0)
     pairs = ((2, 3), (4, 5)) if form in "12" else ((2, None), (3, None))
-    terms: list[Term] = []
+    terms: Terms = []
     for sign, (point, component) in zip((1.0, -1.0), pairs, strict=True):
         if card.word(point) not in ("", "0"):
             number = card.integer(point, "a point")
@@ -104,24 +105,18 @@ def _scalar(
 
 def _relative(
     a: int, b: int | None, axes: FloatArray, at: FloatArray, place: int, reading: DeckReading
-) -> list[Term]:
+) -> Terms:
     """Terms of component `place` (0 to 5) of the motion of b relative to a at the point `at`, in given axes.
 
     b : None is ground;  axes : (3, 3) as columns
     """
-    terms: list[Term] = []
+    terms: Terms = []
     for node, sign in ((a, -1.0), (b, 1.0)):
-        if node is None:
-            continue
-        e = axes[:, place % 3]
-        if place < 3:
-            arm = np.cross(at - reading.grids.positions[node], e)
-            terms += [(6 * node + i, sign * float(e[i])) for i in range(3)]
-            terms += [(6 * node + 3 + i, sign * float(arm[i])) for i in range(3)]
-        else:
-            terms += [(6 * node + 3 + i, sign * float(e[i])) for i in range(3)]
-    scale = max(abs(value) for _, value in terms)
-    return [(freedom, value) for freedom, value in terms if abs(value) > 1e-14 * scale]
+        if node is not None:
+            arm = at - reading.grids.positions[node]
+            e, turns = axes[:, place % 3], place > 2
+            terms += motion_along(node, e, sign, arm=None if turns else arm, rotation=turns)
+    return terms
 
 
 def _bush(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
@@ -330,7 +325,7 @@ def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, r
         raise card.error("its area, thickness or shear modulus is zero; correct it")
     across, along = x[2] + x[3] - x[0] - x[1], x[1] + x[2] - x[0] - x[3]
     lean = float(across @ along / np.linalg.norm(np.cross(across, along)))
-    terms: list[Term] = []
+    terms: Terms = []
     for i, sign in enumerate((-1.0, 1.0, -1.0, 1.0)):
         j = (i + 1) % 4
         side = sign * (x[j] - x[i]) / 2

@@ -8,8 +8,9 @@ import numpy as np
 
 from supple.arrays import BoolArray, FloatArray
 from supple.importers.deck import RigidTie, WeightedMean
+from supple.importers.freedom_sums import Terms, relative_motion
 from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.deck_reading import DeckReading, Term, times
+from supple.importers.nastran.deck_reading import DeckReading, times
 
 RIGID_CARDS = ("RBE2", "RBE3", "RBE1", "RBAR", "RBAR1", "RROD", "RTRPLT", "MPC", "MPCADD")
 
@@ -130,20 +131,14 @@ def _listed_grids(card: BulkCard) -> list[tuple[int, str]]:
 
 def _follows(card: BulkCard, node: int, component: int, reference: int, reading: DeckReading) -> None:
     """Add the constraint that a component of a node follows the rigid motion of the reference node."""
+    grids, turns = reading.grids, component > 2
+    arm = grids.positions[node] - grids.positions[reference]
+    terms = relative_motion(node, reference, grids.axes[node][:, component % 3], arm=arm, rotation=turns)
     own = reading.node_freedom(node, component)
-    direction = reading.grids.axes[node][:, component % 3]
-    arm = reading.grids.positions[node] - reading.grids.positions[reference]
-    terms = list(own)
-    if component < 3:
-        turn = np.cross(arm, direction)
-        terms += [(6 * reference + i, -float(direction[i])) for i in range(3)]
-        terms += [(6 * reference + 3 + i, -float(turn[i])) for i in range(3)]
-    else:
-        terms += [(6 * reference + 3 + i, -float(direction[i])) for i in range(3)]
     reading.constraints.add(terms, card.line, dependent=_alone(own))
 
 
-def _alone(terms: list[Term]) -> int:
+def _alone(terms: Terms) -> int:
     """The freedom of a component with the given terms if its axis is a basic axis; else -1."""
     return terms[0][0] if len(terms) == 1 else -1
 
@@ -157,7 +152,7 @@ def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], 
     """
     origin = reading.grids.positions[independent[0][0]]
 
-    def rows(sides: list[Side]) -> tuple[FloatArray, list[list[Term]]]:
+    def rows(sides: list[Side]) -> tuple[FloatArray, list[Terms]]:
         T, own = [], []
         for node, components in sides:
             arm = reading.grids.positions[node] - origin
@@ -215,8 +210,7 @@ def _rrod(card: BulkCard, reading: DeckReading) -> None:
     length = np.linalg.norm(chord)
     if not length > 0:
         raise card.error("its two grids coincide; move one, or remove it")
-    e = chord / length
-    terms = [(6 * node + i, s * float(e[i])) for node, s in ((a, -1.0), (b, 1.0)) for i in range(3) if e[i]]
+    terms = relative_motion(b, a, chord / length)
     node, component = (a, card.word(3)) if card.word(3) else (b, card.word(4))
     own = reading.node_freedom(node, int(component) - 1) if component in ("1", "2", "3") else []
     reading.constraints.add(terms, card.line, dependent=_alone(own))
@@ -389,7 +383,7 @@ def read_multipoint_constraints(reading: DeckReading) -> None:
     for card in cards:
         if card.integer(0, "the set id") not in chosen:
             continue
-        terms: list[Term] = []
+        terms: Terms = []
         dependent = -1
         # A row of eight fields has two terms G C A, which start in its second and fifth field.
         for place in range(1, len(card.fields)):

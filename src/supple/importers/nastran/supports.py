@@ -10,7 +10,7 @@ from supple.arrays import IntArray
 from supple.errors import ImportFormatError
 from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.deck_reading import DeckReading, Term
+from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.retained_freedoms import retained_freedoms
 from supple.importers.numbering import positions_of_ids
 from supple.importers.plain_number import number_of_word
@@ -177,7 +177,7 @@ def _matrix(cards: list[BulkCard], factor: float, reading: DeckReading) -> Nodal
     entries: dict[tuple[int, int], float] = {}
     points: set[int] = set()
     has_imaginary = False
-    given: set[tuple[tuple[Term, ...], tuple[Term, ...]]] = set()
+    given: set[tuple[tuple[tuple[int, float], ...], ...]] = set()
     for card in cards:
         if card.word(1) == "0":
             continue
