@@ -18,6 +18,11 @@ def positions_of_ids(ids: IntArray, wanted: IntArray) -> tuple[IntArray, BoolArr
     return order[place], ids[order[place]] == wanted
 
 
+def in_range(ids: IntArray, listed: range) -> BoolArray:
+    """Mask of the ids in an ascending range, which may be too long for an array."""
+    return (ids >= listed.start) & (ids < listed.stop) & ((ids - listed.start) % listed.step == 0)
+
+
 def first_repeated(ids: IntArray) -> int | None:
     """The first position of an id that also occurs before it; None if all ids differ."""
     order = np.argsort(ids, kind="stable")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -92,6 +92,25 @@ class BulkCard(NamedTuple):
             raise self.error(
                 f"{what} (field {self._field(place)}) is '{word[:40]}', not a number; correct it"
             ) from None
+
+    def ranges(self, places: Iterable[int], what: str = "an id") -> list[range]:
+        """Ids in a list of fields without the blank ones: one each, or A THRU B, or A THRU B BY STEP.
+
+        ImportFormatError if an id is not an integer.
+        """
+        found: list[range] = []
+        words = ((place, self.word(place)) for place in places if self.word(place))
+        for place, word in words:
+            if word in ("THRU", "BY") and found:
+                number, first = self.integer(next(words, (place, ""))[0], what), found.pop()
+                ends = (
+                    (first.start, number + 1) if word == "THRU" else (first.start, first.stop, max(number, 1))
+                )
+                found.append(range(*ends))
+            else:
+                number = self.integer(place, what)
+                found.append(range(number, number + 1))
+        return found
 
     def is_blank(self, start: int, stop: int) -> bool:
         """Whether the fields from `start` to before `stop` are all blank."""

@@ -415,13 +415,11 @@ def _scalar_points(file: BulkFile) -> IntArray:
     """Ids (S,) of scalar points: of SPOINT and EPOINT, and other points that only scalar elements name."""
     ids: dict[int, None] = {}
     for card in file.named("SPOINT", "EPOINT"):
-        if card.word(1) == "THRU":
-            first, last = card.integer(0, "the first point"), card.integer(2, "the last point")
-            if last - first > 10**6:
-                raise card.error(f"{first} THRU {last} are over a million points; correct the range")
-            ids |= dict.fromkeys(range(first, last + 1))
-        else:
-            ids |= {card.integer(i, "a point"): None for i in range(len(card.fields)) if card.word(i)}
+        for points in card.ranges(range(len(card.fields)), "a point"):
+            if len(points) > 10**6:
+                ends = f"{points[0]} THRU {points[-1]}"
+                raise card.error(f"{ends} are over a million points; correct the range")
+            ids |= dict.fromkeys(points)
     grids = {card.word(0) for card in file.named("GRID")}
     for card in file.named(*(f"{kind}{form}" for kind in ("CELAS", "CDAMP", "CMASS") for form in "34")):
         ids |= {card.integer(i, "a scalar point", 0): None for i in (2, 3) if card.word(i) not in grids}

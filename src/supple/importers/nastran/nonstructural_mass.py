@@ -58,37 +58,19 @@ def _entries(card: BulkCard, reading: DeckReading) -> list[tuple[str, list[range
     of = card.word(1)
     if card.name in ("NSM", "NSML"):
         return [
-            (of, [_only(card.integer(i, "an id"))], card.real(i + 1, "the value", 0.0))
+            (of, card.ranges([i]), card.real(i + 1, "the value", 0.0))
             for i in range(2, len(card.fields), 2)
             if card.word(i)
         ]
     value = card.real(2, "the value", 0.0)
-    words = [card.word(i) for i in range(3, len(card.fields)) if card.word(i)]
+    places = range(3, len(card.fields))
+    words = {card.word(i) for i in places}
     if "ALL" in words:
         return [(of, None, value)]
-    list_card = card._replace(fields=tuple(words))
-    ids: list[range] = []
-    place = 0
-    while place < len(words):
-        if words[place] == "EXCEPT":
-            reading.leave_out(card, "left out: its list has EXCEPT")
-            return []
-        if words[place] in ("THRU", "BY") and ids:
-            number = list_card.integer(place + 1, "an id")
-            first = ids.pop()
-            by_step = words[place] == "BY"
-            ids.append(
-                range(first.start, first.stop, max(number, 1)) if by_step else range(first.start, number + 1)
-            )
-            place += 2
-        else:
-            ids.append(_only(list_card.integer(place, "an id")))
-            place += 1
-    return [(of, ids, value)]
-
-
-def _only(number: int) -> range:
-    return range(number, number + 1)
+    if "EXCEPT" in words:
+        reading.leave_out(card, "left out: its list has EXCEPT")
+        return []
+    return [(of, card.ranges(places), value)]
 
 
 def _members(card: BulkCard, of: str, ids: list[range] | None, reading: DeckReading) -> list[BulkCard]:
@@ -109,12 +91,8 @@ def _members(card: BulkCard, of: str, ids: list[range] | None, reading: DeckRead
     return [
         element
         for element, number in numbers
-        if (there is None or number in there) and (ids is None or _is_among(number, ids))
+        if (there is None or number in there) and (ids is None or any(number in each for each in ids))
     ]
-
-
-def _is_among(number: int, ids: list[range]) -> bool:
-    return any(number in each for each in ids)
 
 
 def _extent(element: BulkCard, reading: DeckReading) -> float:

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from supple.arrays import IntArray
+from supple.arrays import BoolArray, IntArray
 from supple.importers.deck import Deck, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard, integer_column
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.superelements import superelement_name
+from supple.importers.numbering import in_range
 from supple.importers.restricted_deck import kept_elements, kept_terms, restricted_deck, used_nodes
 
 PARTITION_CARDS = ("SESET", "SEELT")
@@ -29,9 +30,9 @@ def partitioned(deck: Deck, reading: DeckReading) -> Deck:
         return deck
     owners = [_owners(interior, each.nodes) for each in deck.elements]
     for card in reading.file.named("SEELT"):
-        number, ids = card.integer(0, "the superelement"), _ids(card)
+        number = card.integer(0, "the superelement")
         for each, owner in zip(deck.elements, owners, strict=True):
-            owner[np.isin(each.ids, ids)] = number
+            owner[_listed(card, each.ids)] = number
     owner_of_point = np.append(interior, np.zeros(len(deck.scalar_points), dtype=np.int64))
     found = {number: _part(deck, owner_of_point, owners, number) for number in (0, *numbers)}
     none = np.empty(0, dtype=np.int64)
@@ -56,23 +57,16 @@ def _interior(deck: Deck, reading: DeckReading) -> IntArray:
     grids = reading.grids.cards
     found[: len(grids)] = integer_column(grids, 7, "SEID", default)
     for card in file.named("SESET"):
-        found[np.isin(deck.node_ids, _ids(card))] = card.integer(0, "the superelement")
+        found[_listed(card, deck.node_ids)] = card.integer(0, "the superelement")
     return found
 
 
-def _ids(card: BulkCard) -> IntArray:
-    """Ids of a list that starts in the second field and may contain THRU."""
-    words = [(i, card.word(i)) for i in range(1, len(card.fields)) if card.word(i)]
-    found: list[IntArray] = []
-    for k, (place, word) in enumerate(words):
-        if word != "THRU":
-            found.append(np.array([card.integer(place, "an id")]))
-        elif k and k + 1 < len(words):
-            first, last = (card.integer(words[i][0], "an id") for i in (k - 1, k + 1))
-            if last - first > 10**6:
-                raise card.error(f"{first} THRU {last} are over a million ids; correct the range")
-            found.append(np.arange(first, last + 1))
-    return np.concatenate([np.empty(0, dtype=np.int64), *found])
+def _listed(card: BulkCard, ids: IntArray) -> BoolArray:
+    """Mask of the ids that a card lists from its second field on."""
+    found = np.zeros(len(ids), dtype=bool)
+    for listed in card.ranges(range(1, len(card.fields))):
+        found |= in_range(ids, listed)
+    return found
 
 
 def _owners(interior: IntArray, nodes: IntArray) -> IntArray:

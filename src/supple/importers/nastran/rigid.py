@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import chain
 
 import numpy as np
@@ -11,6 +12,7 @@ from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.freedom_sums import Terms, relative_motion
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.deck_reading import DeckReading, times
+from supple.importers.numbering import in_range
 
 RIGID_CARDS = ("RBE2", "RBE3", "RBE1", "RBAR", "RBAR1", "RROD", "RTRPLT", "MPC", "MPCADD")
 
@@ -90,20 +92,12 @@ def _some_components(card: BulkCard, place: int) -> str:
     return "" if word in ("", "0") else _components(card, word, "its components")
 
 
-def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: DeckReading) -> list[int]:
-    """Numbers from 0 of the grids in a list of fields (index, word), which may contain THRU."""
+def _grid_list(card: BulkCard, places: Iterable[int], reading: DeckReading) -> list[int]:
+    """Numbers from 0 of the grids in a list of fields; of A THRU B, A is a grid, other ids need not be."""
     ids: list[int] = []
-    place = 0
-    while place < len(words):
-        at, word = words[place]
-        if word == "THRU" and ids and place + 1 < len(words):
-            last = card.integer(words[place + 1][0], "the last grid")
-            known = reading.grids.ids
-            ids += np.sort(known[(known > ids[-1]) & (known <= last)]).tolist()
-            place += 2
-            continue
-        ids.append(card.integer(at, "a grid"))
-        place += 1
+    for listed in card.ranges(places, "a grid"):
+        known = reading.grids.ids
+        ids += [listed.start, *np.sort(known[in_range(known, listed[1:])]).tolist()]
     return reading.grids.numbers(card, ids).tolist() if ids else []
 
 
@@ -124,9 +118,9 @@ def _rbe2(card: BulkCard, reading: DeckReading, turning: BoolArray, rigid: list[
             _follows(card, node, int(component) - 1, reference, reading)
 
 
-def _listed_grids(card: BulkCard) -> list[tuple[int, str]]:
-    """Index and word of the fields GM of an RBE2; ALPHA and TREF, which are thermal, are skipped."""
-    return [(i, card.word(i)) for i in range(3, len(card.fields)) if card.word(i) and "." not in card.word(i)]
+def _listed_grids(card: BulkCard) -> list[int]:
+    """Indices of the fields GM of an RBE2; ALPHA and TREF, which are thermal, are skipped."""
+    return [i for i in range(3, len(card.fields)) if "." not in card.word(i)]
 
 
 def _follows(card: BulkCard, node: int, component: int, reference: int, reading: DeckReading) -> None:
@@ -312,19 +306,13 @@ def _weighted(card: BulkCard, reading: DeckReading) -> list[tuple[float, str, li
             raise card.error(f"'{word}' stands where a weight is expected; weights are written with a point")
         components = _components(card, card.word(place + 1), "components that it averages")
         place += 2
-        words: list[tuple[int, str]] = []
-        while place < len(card.fields) and (not card.word(place) or _is_grid(card.word(place))):
-            if card.word(place):
-                words.append((place, card.word(place)))
+        first = place
+        while place < len(card.fields) and (card.word(place) in ("", "THRU") or card.word(place).isdecimal()):
             place += 1
-        nodes = _grid_list(card, words, reading)
+        nodes = _grid_list(card, range(first, place), reading)
         if weight > 0 and nodes:
             found.append((weight, components, nodes))
     return found
-
-
-def _is_grid(word: str) -> bool:
-    return word.isdecimal() or word == "THRU"
 
 
 def _mean_rows(

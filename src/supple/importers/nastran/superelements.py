@@ -14,7 +14,7 @@ from supple.importers.merged_decks import CommonNodes, merged_decks
 from supple.importers.moved_deck import moved_deck
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 from supple.importers.nastran.grids import GridPoints
-from supple.importers.numbering import positions_of_ids
+from supple.importers.numbering import in_range, positions_of_ids
 from supple.importers.restricted_deck import used_nodes
 
 SUPERELEMENT_CARDS = ("SEBULK", "SELOC", "SEMPLN", "SECONCT", "SEBNDRY", "SEEXCLD")
@@ -225,19 +225,11 @@ def _between(file: BulkFile, name: str, number: int, other: int) -> list[BulkCar
 
 def _listed(card: BulkCard, deck: Deck) -> IntArray:
     """Numbers from 0 of grids in a list from the third field on, which may contain THRU or be ALL."""
-    words = [(i, card.word(i)) for i in range(2, len(card.fields)) if card.word(i)]
-    if words and words[0][1] == "ALL":
+    if card.word(2) == "ALL":
         return np.arange(len(deck.nodes))
-    found = [np.empty(0, dtype=np.int64)]
-    place = 0
-    while place < len(words):
-        first = last = card.integer(words[place][0], "a grid")
-        place += 1
-        if place + 1 < len(words) and words[place][1] == "THRU":
-            last = card.integer(words[place + 1][0], "the last grid")
-            place += 2
-        found.append(np.flatnonzero((deck.node_ids >= first) & (deck.node_ids <= last)))
-    return np.concatenate(found)
+    listed = card.ranges(range(2, len(card.fields)), "a grid")
+    found = [np.flatnonzero(in_range(deck.node_ids, each)) for each in listed]
+    return np.concatenate([np.empty(0, dtype=np.int64), *found])
 
 
 def _pairs(first: FloatArray, second: FloatArray, tolerance: float) -> IntArray:

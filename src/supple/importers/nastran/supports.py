@@ -12,7 +12,7 @@ from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.retained_freedoms import retained_freedoms
-from supple.importers.numbering import positions_of_ids
+from supple.importers.numbering import in_range, positions_of_ids
 from supple.importers.plain_number import number_of_word
 
 SUPPORT_CARDS = ("SPC", "SPC1", "SPCADD", "ASET", "ASET1", "DMIG")
@@ -90,18 +90,9 @@ def _pairs(card: BulkCard, start: int, step: int, reading: DeckReading) -> _Supp
 def _listed(card: BulkCard, components: int, start: int, reading: DeckReading) -> _Supported:
     """Points of a list G1 G2 ..; G1 THRU G2 is all grids in the range, without components scalar points."""
     ids: list[int] = []
-    place = start
     between = np.sort(reading.scalar_points if card.word(components) in ("", "0") else reading.grids.ids)
-    while place < len(card.fields):
-        word = card.word(place)
-        if word == "THRU" and ids:
-            last = card.integer(place + 1, "the last grid")
-            first = ids.pop()
-            ids += between[(between >= first) & (between <= last)].tolist()
-            place += 2
-        else:
-            ids += [card.integer(place, "a grid")] if word else []
-            place += 1
+    for listed in card.ranges(range(start, len(card.fields)), "a grid"):
+        ids += listed if len(listed) == 1 else between[in_range(between, listed)].tolist()
     is_scalar = positions_of_ids(reading.scalar_points, np.array(ids, dtype=np.int64))[1].tolist()
     points, grids = ([n for n, own in zip(ids, is_scalar, strict=True) if own == of] for of in (True, False))
     if not grids:
