@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 from scipy import sparse
@@ -23,8 +22,7 @@ from supple.importers.deck import (
     WallProperty,
     WeightedMean,
 )
-from supple.mesh import CellType
-from supple.mesh.reference_cell import reference_nodes
+from supple.mesh.reference_cell import mirrored_order
 
 # Largest absolute value of a component that is treated as zero.
 _NONE = 1e-14
@@ -163,15 +161,6 @@ class _ChangedAxes:
         if all(len(set(half)) == 1 for half in (mean.components[:3], mean.components[3:])):
             return mean.components
         return tuple((np.rint(np.abs(self.whole)) @ given > 0).tolist())
-
-
-@cache
-def mirrored_order(kind: CellType) -> IntArray:
-    """Node order of a mirrored cell; solids: that of the reference cell with x and y exchanged."""
-    if kind.dimension < 3:
-        return np.array([0, 1] if kind.dimension == 1 else [0, 2, 1])
-    points = reference_nodes(kind)
-    return np.argmin(np.linalg.norm(points[None] - points[:, None, [1, 0, 2]], axis=2), axis=1)
 
 
 def _mirrored_beam(given: BeamValues) -> BeamValues:

@@ -22,7 +22,8 @@ from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.text_file import file_content
-from supple.mesh import Mesh
+from supple.mesh import CellType, Mesh
+from supple.mesh.reference_cell import mirrored_order
 
 __all__ = ["read_vtu"]
 
@@ -43,8 +44,6 @@ _KINDS = {
 _MOST_SETS = 1000
 # Largest compression ratio of zlib; larger stated sizes are rejected.
 _BEST_PACKED = 1032
-# Node order of a wedge with its two triangles exchanged.
-_TURNED_WEDGE = (3, 4, 5, 0, 1, 2, 9, 10, 11, 6, 7, 8, 12, 13, 14)
 
 
 @dataclass(frozen=True)
@@ -272,18 +271,14 @@ def _integers(file: _File, piece: ElementTree.Element, where: str, n: int) -> di
 
 
 def _reoriented(nodes: FloatArray, blocks: list[CellBlock]) -> list[CellBlock]:
-    """The blocks; wedges of negative volume get their two triangles exchanged."""
+    """The blocks; wedges of negative volume get the mirrored order of their nodes."""
     result = []
     for block in blocks:
         cells = block.cells
-        if (
-            block.type_name in ("wedge", "wedge15")
-            and cells.size
-            and 0 <= cells.min() <= cells.max() < len(nodes)
-        ):
+        if block.type_name in ("wedge", "wedge15"):
             x = nodes[cells[:, :4]] - nodes[cells[:, :1]]
             inverted = np.einsum("ei,ei->e", np.cross(x[:, 1], x[:, 2]), x[:, 3]) < 0
-            order = list(_TURNED_WEDGE[: cells.shape[1]])
+            order = mirrored_order(CellType.WEDGE6 if cells.shape[1] == 6 else CellType.WEDGE15)
             cells = np.where(inverted[:, None], cells[:, order], cells)
-        result.append(CellBlock(block.type_name, cells, block.ids, block.sets))
+        result.append(replace(block, cells=cells))
     return result

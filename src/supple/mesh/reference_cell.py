@@ -35,6 +35,15 @@ def reference_nodes(cell_type: CellType) -> FloatArray:
     return nodes
 
 
+@cache
+def mirrored_order(cell_type: CellType) -> IntArray:
+    """Node order of a mirrored cell; solids: that of the parent with x and y exchanged."""
+    if cell_type.dimension < 3:
+        return np.array([0, 1] if cell_type.dimension == 1 else [0, 2, 1])
+    points = reference_nodes(cell_type)
+    return np.argmin(np.linalg.norm(points[None] - points[:, None, [1, 0, 2]], axis=2), axis=1)
+
+
 def shape_functions(cell_type: CellType, points: FloatArray) -> FloatArray:
     """Shape functions N_a (p, k) of a solid cell at parent points (p, 3), as in `shape_gradients`."""
     exponents = _exponents(cell_type)

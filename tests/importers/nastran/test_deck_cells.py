@@ -411,7 +411,7 @@ def test_materials_of_one_isotropic_set(deck):
     ("text", "message"),
     [
         ("CQUAD4,7,9,1,2,3,99\n", "line 6: CQUAD4: element 7 names grid 99.*add its GRID card"),
-        ("CQUAD8,7,9,1,2,3,4,99\n", "line 6: CQUAD8: names grid 99"),
+        ("CQUAD8,7,9,1,2,3,4,99\n", "line 6: CQUAD8: element 7 names grid 99"),
         ("CTETRA,7,3,1,2,3,99\nPSOLID,3,5\n", "line 6: CTETRA: element 7 names grid 99"),
         ("CTETRA,7,3,1,2,3,4,99\nPSOLID,3,5\n", "line 6: CTETRA: element 7 names grid 99"),
         ("CQUAD4,7,9,1,3,2,4\n", "line 6: CQUAD4: element 7: its sides cross"),

@@ -12,6 +12,7 @@ import numpy as np
 from supple.arrays import FloatArray, IntArray
 from supple.importers.quadrilateral import split_quadratic_surfaces, split_quadrilaterals
 from supple.mesh import CellType
+from supple.mesh.reference_cell import mirrored_order
 
 
 class Family(Enum):
@@ -134,19 +135,18 @@ def _collapsed_hexahedron(row: IntArray, positions: FloatArray) -> tuple[CellTyp
         top = [b for a in bottom for b in top if frozenset((a, b)) in edges]
         if len(top) != 3:
             return CellType.HEXA8, row
-        nodes, turned, kind = [*bottom, *top], [0, 2, 1, 3, 5, 4], CellType.WEDGE6
+        nodes, kind = [*bottom, *top], CellType.WEDGE6
     elif len(distinct) == 5 and any(len(face) == 4 for face in faces):
         base = next(face for face in faces if len(face) == 4)
-        nodes, turned = [*base, *(set(distinct) - set(base))], [0, 3, 2, 1, 4]
-        kind = CellType.PYRAMID5
+        nodes, kind = [*base, *(set(distinct) - set(base))], CellType.PYRAMID5
     elif len(distinct) == 4:
-        nodes, turned, kind = distinct, [0, 2, 1, 3], CellType.TETRA4
+        nodes, kind = distinct, CellType.TETRA4
     else:
         return CellType.HEXA8, row[: 8 if len(distinct) > 3 else 0]
     x = positions[nodes]
     height = np.cross(x[1] - x[0], x[2] - x[0]) @ (x[-1] - x[0])
     made = np.array(nodes)
-    return kind, (made if height > 0 else made[turned]) if height else made[:0]
+    return kind, (made if height > 0 else made[mirrored_order(kind)]) if height else made[:0]
 
 
 def _cells_of_one_kind(

@@ -12,9 +12,9 @@ from supple.importers.abaqus.element_types import CELLS, ElementType, Family
 from supple.importers.abaqus.keyword_elements import ElementBlock, Labels
 from supple.importers.abaqus.nodes import most_generated
 from supple.importers.keyword_file import KeywordFile, fields
-from supple.importers.moved_deck import mirrored_order
 from supple.importers.plain_number import is_plain_digits, plain_integer
 from supple.mesh import CellType
+from supple.mesh.reference_cell import mirrored_order
 
 
 def generated_elements(

@@ -16,6 +16,7 @@ from supple.importers.nastran.walls import WALL_CARDS, WallOptions, read_wall
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
 from supple.mesh import CellType
+from supple.mesh.reference_cell import mirrored_order
 
 
 @dataclass(frozen=True)
@@ -97,20 +98,28 @@ _SHELLS = {
 SHELL_CARDS = tuple(_SHELLS)
 
 
-def grids_named(cards: Sequence[BulkCard], reading: DeckReading, first: int, count: int) -> IntArray:
+def grids_named(
+    cards: Sequence[BulkCard], reading: DeckReading, first: int, count: int, *, blanks: bool = False
+) -> IntArray:
     """Numbers (cards, count) of the grids in `count` fields from index `first` on.
 
-    ImportFormatError for a grid that the file does not define.
+    ImportFormatError for a grid that the file does not define, and for a blank field; if `blanks`, the number
+    of a field that is blank or 0 is -1.
     """
-    ids = np.stack([integer_column(cards, first + i, f"grid G{i + 1}") for i in range(count)], axis=1)
+    whats = ["a middle grid"] * count if blanks else [f"grid G{i + 1}" for i in range(count)]
+    default = 0 if blanks else None
+    columns = [integer_column(cards, first + i, what, default) for i, what in enumerate(whats)]
+    ids = np.stack(columns, axis=1)
     nodes, known = reading.grids.lookup(ids)
-    if not known.all():
-        row, corner = np.argwhere(~known)[0]
+    absent = (ids == 0) & blanks
+    wrong = np.argwhere(~known & ~absent)
+    if wrong.size:
+        row, corner = wrong[0]
         raise cards[row].error(
             f"element {cards[row].word(0)} names grid {ids[row, corner]}, which the file does not define; "
             "add its GRID card, or remove the element"
         )
-    return nodes
+    return np.where(absent, -1, nodes)
 
 
 class Properties:
@@ -120,36 +129,40 @@ class Properties:
     gives several properties: pshell_7, pshell_7_2.
     """
 
-    def __init__(self, cards: Mapping[int, BulkCard]) -> None:
-        self.cards = cards
+    def __init__(self, reading: DeckReading, *names: str) -> None:
+        self._reading = reading
+        self.cards = by_id(reading.file.named(*names), "property")
         self.found: dict[str, Property] = {}
         self._names: dict[tuple[int, object], str] = {}
         self._counts: dict[int, int] = {}
 
-    def name(self, number: int, key: object, make: Callable[[BulkCard], Property | str]) -> tuple[str, str]:
-        """Name of a property and "", or "" and the reason for omitting its elements.
+    def name(
+        self, element: BulkCard, number: int, key: object, make: Callable[[BulkCard], Property | str]
+    ) -> str:
+        """Name of the property of an element; an empty string if the element is left out without it.
 
-        number : id of the property card;  key : own data of the elements
+        number : id of the property card;  key : own data of the element
         make : function from the card to the property, or to the reason for its absence
         """
         known = self._names.get((number, key))
         if known is not None:
-            return known, ""
+            return known
         card = self.cards.get(number)
         if card is None:
-            return "", f"their property {number} is not defined or not supported"
-        try:
-            made = make(card)
-        except (ArithmeticError, np.linalg.LinAlgError):
-            made = "its values are too large or too small"
-        if isinstance(made, str):
-            return "", f"{card.name} {number}: {made}"
-        self._counts[number] = self._counts.get(number, 0) + 1
-        count = self._counts[number]
-        name = f"{card.name.lower()}_{number}" + (f"_{count}" if count > 1 else "")
-        self._names[number, key] = name
-        self.found[name] = made
-        return name, ""
+            made = f"their property {number} is not defined or not supported"
+        else:
+            try:
+                made = make(card)
+            except (ArithmeticError, np.linalg.LinAlgError):
+                made = "its values are too large or too small"
+            if not isinstance(made, str):
+                self._counts[number] = count = self._counts.get(number, 0) + 1
+                name = f"{card.name.lower()}_{number}" + (f"_{count}" if count > 1 else "")
+                self._names[number, key], self.found[name] = name, made
+                return name
+            made = f"{card.name} {number}: {made}"
+        self._reading.leave_out(element, f"elements left out: {made}")
+        return ""
 
 
 # --- solids
@@ -157,18 +170,16 @@ class Properties:
 
 def read_solids(reading: DeckReading, materials: Materials) -> tuple[list[DeckElements], dict[str, Property]]:
     """Cells of CTETRA, CHEXA, CPENTA and CPYRAM, linear or quadratic, with PSOLID and PCOMPS."""
-    properties = Properties(by_id(reading.file.named(*SOLID_PROPERTY_CARDS), "property"))
+    properties = Properties(reading, *SOLID_PROPERTY_CARDS)
     middles = _Middles(reading)
     found: list[DeckElements] = []
     for name in SOLID_CARDS:
         groups: dict[tuple[str, int], list[BulkCard]] = {}
         for card in reading.file.named(name):
             number = card.integer(1, "the property id", card.integer(0, "the element id"))
-            of, why = properties.name(number, None, lambda card: _solid(card, materials))
-            if why:
-                reading.leave_out(card, f"elements left out: {why}")
-                continue
-            groups.setdefault((of, number), []).append(card)
+            of = properties.name(card, number, None, lambda card: _solid(card, materials))
+            if of:
+                groups.setdefault((of, number), []).append(card)
         for (of, number), cards in groups.items():
             found += _solid_cells(name, cards, of, properties.cards[number], reading, middles, properties)
     middles.tie()
@@ -219,16 +230,6 @@ def _solid_cells(
     return found
 
 
-# Corners of a mirrored cell: two of a tetrahedron are exchanged, a pyramid's base is reversed, wedges and
-# hexahedra exchange bottom and top.
-_MIRRORED = {
-    4: (0, 2, 1, 3),
-    5: (0, 3, 2, 1, 4),
-    6: (3, 4, 5, 0, 1, 2),
-    8: (4, 5, 6, 7, 0, 1, 2, 3),
-}
-
-
 def _oriented_outwards(kind: CellType, nodes: IntArray, reading: DeckReading) -> IntArray:
     """The cells, reordered if the base is left-handed about the direction to the top, as Nastran allows."""
     n = kind.n_corners
@@ -237,16 +238,7 @@ def _oriented_outwards(kind: CellType, nodes: IntArray, reading: DeckReading) ->
     across = (x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]) if base == 3 else (x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
     up = x[:, base:].mean(axis=1) - x[:, :base].mean(axis=1)
     inverted = np.einsum("ci,ci->c", np.cross(*across), up) < 0
-    if not inverted.any():
-        return nodes
-    corner = _MIRRORED[n]
-    order = list(corner)
-    if nodes.shape[1] > n:
-        edge = {frozenset(ends): n + i for i, ends in enumerate(kind.edges)}
-        order += [edge[frozenset((corner[a], corner[b]))] for a, b in kind.edges]
-    turned = nodes.copy()
-    turned[inverted] = nodes[inverted][:, order]
-    return turned
+    return np.where(inverted[:, None], nodes[:, mirrored_order(kind)], nodes)
 
 
 def _material_axes(
@@ -285,17 +277,8 @@ class _Middles:
 
     def of(self, cards: Sequence[BulkCard], solid: _Solid, corners: IntArray) -> IntArray:
         """Numbers (C, m) of the middle nodes of the cards, in the order of a card."""
-        first, count = 2 + solid.corners, len(solid.edges)
-        ids = np.stack([integer_column(cards, first + i, "a middle grid", 0) for i in range(count)], axis=1)
-        nodes, known = self._reading.grids.lookup(ids)
-        wrong = np.argwhere(~known & (ids != 0))
-        if wrong.size:
-            row, place = wrong[0]
-            raise cards[row].error(
-                f"element {cards[row].word(0)} names grid {ids[row, place]}, which the file does not define; "
-                "add its GRID card, or remove the element"
-            )
-        for row, place in np.argwhere(ids == 0).tolist():
+        nodes = grids_named(cards, self._reading, 2 + solid.corners, len(solid.edges), blanks=True)
+        for row, place in np.argwhere(nodes < 0).tolist():
             a, b = sorted(int(corners[row, corner]) for corner in solid.edges[place])
             if (a, b) not in self._added:
                 positions = self._reading.positions(np.array([a, b]))
@@ -326,7 +309,7 @@ def read_shells(
 
     added : {element id: non-structural mass of NSM cards, kg/m^2}
     """
-    properties = Properties(by_id(reading.file.named(*WALL_CARDS), "property"))
+    properties = Properties(reading, *WALL_CARDS)
     found: list[DeckElements] = []
     for name, shell in _SHELLS.items():
         groups: dict[str, list[BulkCard]] = {}
@@ -335,15 +318,14 @@ def read_shells(
         numbers = integer_column(all_cards, 1, "the property id", 0).tolist()
         for card, element, number in zip(all_cards, elements, numbers, strict=True):
             options = _wall_options(card, shell, added.get(element, 0.0))
-            of, why = properties.name(
+            of = properties.name(
+                card,
                 number or element,
                 options,
                 lambda wall, options=options: read_wall(wall, materials, reading, options or _PLAIN),
             )
-            if why:
-                reading.leave_out(card, f"elements left out: {why}")
-                continue
-            groups.setdefault(of, []).append(card)
+            if of:
+                groups.setdefault(of, []).append(card)
         for of, cards in groups.items():
             found.append(_shell_cells(name, shell, cards, of, reading, properties.found[of]))
     return found, properties.found
@@ -420,22 +402,17 @@ def _triangles_with_middles(
     triangles: list[list[int]] = []
     of_card: list[int] = []
     n = shell.corners
-    for row, card in enumerate(cards):
-        middles = [
-            int(reading.grids.numbers(card, [card.integer(2 + n + i, "a middle grid")])[0])
-            if card.word(2 + n + i) not in ("", "0")
-            else None
-            for i in range(n)
-        ]
+    every = grids_named(cards, reading, 2 + n, n, blanks=True).tolist()
+    for row, middles in enumerate(every):
         ring: list[int] = []
         for i in range(n):
             before, after = middles[i - 1], middles[i]
-            if before is not None and after is not None:
+            if before >= 0 and after >= 0:
                 triangles.append([int(corners[row, i]), after, before])
                 of_card.append(row)
             else:
                 ring.append(int(corners[row, i]))
-            if after is not None:
+            if after >= 0:
                 ring.append(after)
         rest = _ring_triangles(ring, [node for node in ring if node in middles], reading.grids.positions)
         triangles += rest

@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.arrays import BoolArray, FloatArray
 from supple.importers.deck import BeamProperty, DeckElements, Property
-from supple.importers.nastran.bulk_data import BulkCard, BulkFile, by_id
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 from supple.importers.nastran.cells import Properties, grids_named
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.line_properties import (
@@ -83,8 +83,8 @@ def read_rods(
     reading: DeckReading, materials: Materials, added: Mapping[int, float]
 ) -> tuple[list[DeckElements], dict[str, Property]]:
     """Cells and properties of CROD with PROD, CTUBE with PTUBE, and CONROD, which has its own values."""
-    properties = Properties(by_id(reading.file.named(*ROD_PROPERTY_CARDS), "property"))
-    own = Properties({})
+    properties = Properties(reading, *ROD_PROPERTY_CARDS)
+    own = Properties(reading)
     groups: dict[tuple[str, str], _Lines] = {}
     for card in reading.file.named(*ROD_CARDS):
         element = card.integer(0, "the element id")
@@ -95,16 +95,14 @@ def read_rods(
             material = materials.isotropic(number)
             made = material if isinstance(material, str) else rod(material, area, J, arm, total, reading)
             own.cards = {number: card}
-            of, why = own.name(number, (area, J, arm, total), lambda _, made=made: made)
+            of = own.name(card, number, (area, J, arm, total), lambda _, made=made: made)
             ends = grids_named([card], reading, 1, 2)[0].tolist()
         else:
             number = card.integer(1, "the property id", element)
-            of, why = properties.name(number, nsm, lambda c, n=nsm: read_rod(c, materials, reading, n))
+            of = properties.name(card, number, nsm, lambda c, n=nsm: read_rod(c, materials, reading, n))
             ends = grids_named([card], reading, 2, 2)[0].tolist()
-        if why:
-            reading.leave_out(card, f"elements left out: {why}")
-            continue
-        groups.setdefault((card.name, of), _Lines()).add(card, ends)
+        if of:
+            groups.setdefault((card.name, of), _Lines()).add(card, ends)
     found = [lines.elements(name, of) for (name, of), lines in groups.items()]
     return found, properties.found | own.found
 
@@ -113,7 +111,7 @@ def read_beams(
     reading: DeckReading, materials: Materials, added: Mapping[int, float]
 ) -> tuple[list[DeckElements], dict[str, Property]]:
     """Cells and properties of CBAR and CBEAM, and of CBEND as straight pieces of an arc."""
-    properties = Properties(by_id(reading.file.named(*BEAM_PROPERTY_CARDS), "property"))
+    properties = Properties(reading, *BEAM_PROPERTY_CARDS)
     groups: dict[tuple[str, str], _Lines] = {}
     for card in reading.file.named(*BEAM_CARDS):
         element = card.integer(0, "the element id")
@@ -122,9 +120,8 @@ def read_beams(
         if card.name == "CBEND":
             _curved(card, ends, number, nsm, properties, groups, materials, reading)
             continue
-        of, why = properties.name(number, nsm, lambda c, n=nsm: read_beam(c, materials, reading, n))
-        if why:
-            reading.leave_out(card, f"elements left out: {why}")
+        of = properties.name(card, number, nsm, lambda c, n=nsm: read_beam(c, materials, reading, n))
+        if not of:
             continue
         if not card.is_blank(16, 18) and has_warping(properties.cards[number]):
             reading.leave_out(card, "its warping (SA, SB, CW) is not read: the beam is too soft in torsion")
@@ -244,9 +241,8 @@ def _curved(
             return made
         return replace(made, first=replace(made.first, mass_per_length=made.first.mass_per_length * longer))
 
-    of, why = properties.name(number, (nsm, round(longer, 12)), make)
-    if why:
-        reading.leave_out(card, f"elements left out: {why}")
+    of = properties.name(card, number, (nsm, round(longer, 12)), make)
+    if not of:
         return
     angles = angle * np.arange(pieces + 1) / pieces
     arms = np.cos(angles)[:, None] * a + np.sin(angles)[:, None] * radius * tangent
