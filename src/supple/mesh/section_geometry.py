@@ -129,6 +129,13 @@ class Wall:
         return (0.0, self.shear if self.y >= 0 else -self.shear)
 
 
+def torsion_constant(a: float, b: float) -> float:
+    """Torsion constant J of a solid rectangle [Timoshenko & Goodier, Theory of Elasticity, eq. (170)]."""
+    long, short = max(a, b), min(a, b)
+    series = sum(tanh(n * pi * long / (2 * short)) / n**5 for n in range(1, 200, 2))
+    return long * short**3 / 3 * (1 - 192 / pi**5 * short / long * series)
+
+
 def rectangular_section(height: float, width: float) -> SectionGeometry:
     """A solid rectangle with a height along y and a width along z: its corners and mid-sides.
 
@@ -140,10 +147,8 @@ def rectangular_section(height: float, width: float) -> SectionGeometry:
     [Timoshenko & Goodier, Theory of Elasticity, 3rd ed., section 109]
     """
     long, short = max(height, width), min(height, width)
-    odd = range(1, 200, 2)
+    odd, J = range(1, 200, 2), torsion_constant(height, width)
     c = [n * pi * long / (2 * short) for n in odd]
-    J = long * short**3 / 3
-    J *= 1 - 192 / pi**5 * short / long * sum(tanh(x) / n**5 for n, x in zip(odd, c, strict=True))
     by_long = 1 - 8 / pi**2 * sum(1 / (n**2 * cosh(min(x, 300.0))) for n, x in zip(odd, c, strict=True))
     by_short = sum((-1) ** (n // 2) * tanh(x) / n**2 for n, x in zip(odd, c, strict=True)) * 8 / pi**2
     # The sides normal to y are as long as the section is wide.

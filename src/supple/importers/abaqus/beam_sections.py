@@ -10,12 +10,13 @@ import numpy as np
 
 from supple.arrays import FloatArray
 from supple.importers.abaqus.assembly import ScopedBlock
-from supple.importers.abaqus.beam_shapes import BeamShape, beam_shape
+from supple.importers.abaqus.beam_shapes import beam_shape
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import ElementType
 from supple.importers.abaqus.materials import DeckMaterial
-from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial
+from supple.importers.deck import BeamProperty, IsotropicMaterial
 from supple.importers.keyword_file import fields, number_rows, numbers
+from supple.importers.section_values import SectionValues
 from supple.mesh import SectionGeometry
 
 _OF_SECTIONS = ("CENTROID", "SHEARCENTER", "SECTIONPOINTS")
@@ -30,35 +31,14 @@ class SectionOfBeams:
     """
 
     material: IsotropicMaterial
-    shape: BeamShape
+    shape: SectionValues
     n1: FloatArray
     shift: tuple[float, float]
 
     def property_of(self, kind: ElementType) -> BeamProperty:
         """The property of elements of a type; Euler-Bernoulli elements (B33) are rigid in shear."""
-        shape = self.shape
-        factor = shape.factor if kind.shears else 0.0
-        neutral = (
-            shape.centroid[0] - shape.shear_centre[0],
-            shape.centroid[1] - shape.shear_centre[1],
-        )
-        return BeamProperty(
-            self.material,
-            BeamValues(
-                shape.area,
-                shape.Iyy,
-                shape.Izz,
-                shape.J,
-                factor,
-                factor,
-                self.material.density * shape.area,
-                shape.Iyz,
-                neutral,
-                neutral,
-                geometry=shape.geometry
-                and shape.geometry.moved(-shape.shear_centre[0], -shape.shear_centre[1]),
-            ),
-        )
+        made = self.shape.beam_values(self.material.density)
+        return BeamProperty(self.material, made if kind.shears else replace(made, K1=0.0, K2=0.0))
 
     def directions_and_offsets(
         self, ends: FloatArray, axis_nodes: FloatArray | None
@@ -80,7 +60,7 @@ class SectionOfBeams:
         aside = aside - np.einsum("ci,ci->c", aside, tangent)[:, None] * tangent
         n1 = np.where((length > 1e-6 * np.linalg.norm(self.n1))[:, None], n1, aside)
         n1 = n1 / np.maximum(np.linalg.norm(n1, axis=1, keepdims=True), np.finfo(float).tiny)
-        y, z = np.add(self.shape.shear_centre, self.shift)
+        y, z = np.add(self.shape.centroid, self.shape.shear_centre) + self.shift
         if not y and not z:
             return n1, None
         offset = y * n1 + z * np.cross(tangent, n1)
@@ -126,29 +106,39 @@ def read_beam_section(
         n1 = np.array([0.0, 0.0, -1.0])
     # CalculiX: offset of the nodes from the axis as a fraction of the thickness.
     shares = numbers(file, block.line, [block.options.get(f"OFFSET{i}", "0") for i in (1, 2)])
-    shift = (-shares[0] * shape.size[0], -shares[1] * shape.size[1])
+    loops = () if shape.geometry is None else shape.geometry.loops
+    size = np.ptp([place for loop in loops for place in loop], axis=0).tolist() if loops else (0.0, 0.0)
+    shift = (-shares[0] * size[0], -shares[1] * size[1])
     return SectionOfBeams(made_of, shape, model.scopes[placed.scope].rotation @ n1, shift)
 
 
-def _by_numbers(values: list[float]) -> BeamShape | None:
+def _by_numbers(values: list[float]) -> SectionValues | None:
     """The shape with A, I11 = int z^2 dA, I12, I22 = int y^2 dA, J; None unless A, I11, I22, J > 0."""
     area, I11, I12, I22, J = [*values, *5 * [0.0]][:5]
-    return BeamShape(area, I22, I11, I12, J, 1.0) if min(area, I11, I22, J) > 0 else None
+    return SectionValues(area, I22, I11, I12, J, 1.0, 1.0) if min(area, I11, I22, J) > 0 else None
 
 
-def _with_centres(model: AbaqusModel, placed: ScopedBlock, shape: BeamShape) -> BeamShape:
+def _with_centres(model: AbaqusModel, placed: ScopedBlock, shape: SectionValues) -> SectionValues:
     """The shape with the *CENTROID, *SHEAR CENTER and *SECTION POINTS that follow its keyword."""
     start = next(i for i, each in enumerate(model.blocks) if each is placed)
+    places: dict[str, list[float]] = {}
     for each in model.blocks[start + 1 : start + 4]:
         if each.block.key not in _OF_SECTIONS or not each.block.data:
             break
-        values = list(chain(*number_rows(model.file, each.block)))
+        places[each.block.key] = list(chain(*number_rows(model.file, each.block)))
         model.report.read[each.block.name] += 1
-        if each.block.key == "SECTIONPOINTS":
-            points = SectionGeometry(tuple(zip(values[::2], values[1::2], strict=False)))
-            shape = replace(shape, geometry=points)
-            continue
-        place = tuple([*values, 0.0, 0.0][:2])
-        centre = "centroid" if each.block.key == "CENTROID" else "shear_centre"
-        shape = replace(shape, **{centre: place})
-    return shape
+    if not places:
+        return shape
+    centroid, shear_centre = np.array(shape.centroid), np.add(shape.centroid, shape.shear_centre)
+    geometry = shape.geometry and shape.geometry.moved(*shape.centroid)
+    if "SECTIONPOINTS" in places:
+        given = places["SECTIONPOINTS"]
+        geometry = SectionGeometry(tuple(zip(given[::2], given[1::2], strict=False)))
+    y, z = [*places.get("CENTROID", centroid), 0.0, 0.0][:2]
+    shear_y, shear_z = [*places.get("SHEARCENTER", shear_centre), 0.0, 0.0][:2]
+    return replace(
+        shape,
+        centroid=(y, z),
+        shear_centre=(shear_y - y, shear_z - z),
+        geometry=geometry and geometry.moved(-y, -z),
+    )

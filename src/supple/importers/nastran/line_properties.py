@@ -12,7 +12,7 @@ from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial, R
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.materials import Materials
-from supple.importers.nastran.section_shapes import SHAPES, SectionValues
+from supple.importers.nastran.section_shapes import SHAPES
 from supple.mesh import SectionGeometry
 
 BEAM_PROPERTY_CARDS = ("PBAR", "PBARL", "PBEAM", "PBEAML", "PBEND")
@@ -261,7 +261,9 @@ def _shaped(
         section = shape.values(*sizes[:-1]) if min(sizes[:-1]) >= 0 else None
         if section is None or not section.area > 0:
             return f"the sizes {list(sizes[:-1])} do not make a section {word}"
-        made.append(_of_shape(card, section, material, (sizes[-1] + added) * reading.mass_factor))
+        if card.name == "PBARL":
+            section = replace(section, shear_centre=(0.0, 0.0))
+        made.append(section.beam_values(material.density, (sizes[-1] + added) * reading.mass_factor))
     places = [place for place, _ in stations]
     second = made[places.index(1.0)] if 1.0 in places else made[0]
     listed = [[s.area, s.I1, s.I2, s.J, s.mass_per_length] for s in (made[0], second, *made[1:])]
@@ -276,22 +278,6 @@ def _sizes(card: BulkCard, place: int, count: int, default: tuple[float, ...] | 
         card.real(place + i, f"DIM{i + 1}", None if default is None else default[i]) for i in range(count)
     )
     return (*sizes, card.real(place + count, "NSM", 0.0 if default is None else default[count]))
-
-
-def _of_shape(card: BulkCard, s: SectionValues, material: IsotropicMaterial, added: float) -> BeamValues:
-    mass = material.density * s.area + added
-    values = BeamValues(s.area, s.I1, s.I2, s.J, s.K1, s.K2, mass, s.I12, geometry=s.geometry)
-    if card.name == "PBARL" or s.shear_centre == (0.0, 0.0):
-        return values
-    neutral = (-s.shear_centre[0], -s.shear_centre[1])
-    own = material.density * s.area
-    share = own / mass if mass else 0.0
-    return replace(
-        values,
-        neutral=neutral,
-        mass_centre=(share * neutral[0], share * neutral[1]),
-        geometry=s.geometry.moved(*neutral),
-    )
 
 
 _BEAMS: dict[str, Callable[[BulkCard, IsotropicMaterial, DeckReading, float], BeamProperty | str]] = {

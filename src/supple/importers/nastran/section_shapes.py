@@ -1,35 +1,14 @@
-"""Sections of beams by shape (PBARL, PBEAML): closed forms of area, second moments, torsion and shear."""
+"""Sections of beams by shape (PBARL, PBEAML); y is up, z is right in the pictures of Nastran's manual."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from math import pi, tanh
+from dataclasses import dataclass
 
 import numpy as np
 
-from supple.mesh import SectionGeometry, Wall, circular_section, rectangular_section, walled_section
-
-
-@dataclass(frozen=True)
-class SectionValues:
-    """Values of a section about its centroid; y is up, z is right in the pictures of Nastran's manual.
-
-    I1, I2, I12 : integrals of y^2, z^2, y z over the area
-    K1, K2 : shear factors along y and z
-    geometry : outline and points of stress recovery, from the centroid
-    shear_centre : (y, z) from the centroid
-    """
-
-    area: float
-    I1: float
-    I2: float
-    I12: float
-    J: float
-    K1: float
-    K2: float
-    geometry: SectionGeometry
-    shear_centre: tuple[float, float] = (0.0, 0.0)
+from supple.importers.section_values import SectionValues, bar, box, closed, compact, thin, tube, walled
+from supple.mesh import Wall
 
 
 @dataclass(frozen=True)
@@ -44,88 +23,12 @@ class SectionShape:
     values: Callable[..., SectionValues | None]
 
 
-def _built(
-    boxes: list[Wall], J: float, shear_centre: tuple[float | None, float | None] = (None, None)
-) -> SectionValues | None:
-    """Values of a section of rectangles without overlap; None if a size is negative or J is not positive.
-
-    K1 is the share of vertical walls (height > width) in the area, K2 that of other walls; 5/6 if there are
-    none. A wall without given shear stress per unit of torsional moment has that of open sections, thickness
-    divided by J.
-
-    shear_centre : (y, z) in the axes of the rectangles; a None component is that of the centroid
-    """
-    if min(min(b.height, b.width) for b in boxes) < 0 or J <= 0:
-        return None
-    area = sum(b.area for b in boxes)
-    y, z = (sum(b.area * getattr(b, axis) for b in boxes) / area for axis in "yz")
-    I1 = sum(b.area * ((b.y - y) ** 2 + b.height**2 / 12) for b in boxes)
-    I2 = sum(b.area * ((b.z - z) ** 2 + b.width**2 / 12) for b in boxes)
-    I12 = sum(b.area * (b.y - y) * (b.z - z) for b in boxes)
-    upright = sum(b.area for b in boxes if b.height > b.width) / area
-    lying = sum(b.area for b in boxes if b.height <= b.width) / area
-    at = tuple(0.0 if s is None else s - c for s, c in zip(shear_centre, (y, z), strict=True))
-    walls = [b if b.shear else replace(b, shear=min(b.height, b.width) / J) for b in boxes]
-    geometry = walled_section(walls).moved(-y, -z)
-    return SectionValues(area, I1, I2, I12, J, upright or 5 / 6, lying or 5 / 6, geometry, (at[0], at[1]))
-
-
-def _thin(*strips: tuple[float, float]) -> float:
-    """J of an open thin-walled section: int t^3 / 3 ds over strips of length and thickness."""
-    return sum(length * thickness**3 for length, thickness in strips) / 3
-
-
-def _rod(radius: float) -> SectionValues:
-    return _tube(radius, 0.0, 0.9)
-
-
-def _tube(outer: float, inner: float, K: float = 0.5) -> SectionValues:
-    area, second = pi * (outer**2 - inner**2), pi * (outer**4 - inner**4) / 4
-    return SectionValues(area, second, second, 0.0, 2 * second, K, K, circular_section(outer, inner))
-
-
 def _tube2(outer: float, thickness: float) -> SectionValues | None:
-    return _tube(outer, outer - thickness) if thickness <= outer else None
-
-
-def _bar(width: float, height: float) -> SectionValues | None:
-    """J by its series [Timoshenko & Goodier, Theory of Elasticity, 3rd ed., eq. (170)]."""
-    if min(width, height) <= 0:
-        return None
-    long, short = max(width, height), min(width, height)
-    odd = range(1, 20, 2)
-    series = sum(tanh(n * pi * long / (2 * short)) / n**5 for n in odd)
-    J = long * short**3 / 3 * (1 - 192 / pi**5 * short / long * series)
-    I1, I2 = width * height**3 / 12, height * width**3 / 12
-    shape = rectangular_section(height, width)
-    return SectionValues(width * height, I1, I2, 0.0, J, 5 / 6, 5 / 6, shape)
+    return tube(outer, outer - thickness) if thickness <= outer else None
 
 
 def _box(width: float, height: float, lying: float, upright: float) -> SectionValues | None:
-    return _box1(width, height, lying, lying, upright, upright)
-
-
-def _box1(
-    width: float, height: float, top: float, bottom: float, right: float, left: float
-) -> SectionValues | None:
-    """J of a closed cell by Bredt: 4 A^2 / (int ds / t)."""
-    inner = height - top - bottom
-    boxes = [
-        Wall((height - top) / 2, 0.0, top, width),
-        Wall(-(height - bottom) / 2, 0.0, bottom, width),
-        Wall((bottom - top) / 2, (width - right) / 2, inner, right),
-        Wall((bottom - top) / 2, -(width - left) / 2, inner, left),
-    ]
-    if min(top, bottom, right, left, inner, width - right - left) <= 0:
-        return None
-    w, h = width - (left + right) / 2, height - (top + bottom) / 2
-    J = 4 * (w * h) ** 2 / (w / top + w / bottom + h / left + h / right)
-    return _built(_closed(boxes, w * h), J)
-
-
-def _closed(walls: list[Wall], area: float) -> list[Wall]:
-    """Walls around a cell, with the shear stress 1 / (2 A t) of a unit torsional moment [Bredt]."""
-    return [replace(wall, shear=1 / (2 * area * min(wall.height, wall.width))) for wall in walls]
+    return box(width, height, lying, lying, upright, upright)
 
 
 def _i(
@@ -140,7 +43,7 @@ def _i(
         Wall((t_bottom + inner) / 2, 0.0, inner, web),
     ]
     centre = between * t_top * top**3 / (t_top * top**3 + t_bottom * bottom**3)
-    return _built(boxes, _thin((bottom, t_bottom), (top, t_top), (between, web)), (centre, 0.0))
+    return walled(boxes, thin((bottom, t_bottom), (top, t_top), (between, web)), (centre, 0.0))
 
 
 def _i1(flanges: float, web: float, inner: float, height: float) -> SectionValues | None:
@@ -159,7 +62,7 @@ def _chan(width: float, height: float, web: float, flange: float) -> SectionValu
         Wall(0.0, 0.0, inner, web),
     ]
     out = 3 * b**2 * flange / (6 * b * flange + h * web)
-    return _built(boxes, _thin((b, flange), (b, flange), (h, web)), (0.0, -out))
+    return walled(boxes, thin((b, flange), (b, flange), (h, web)), (0.0, -out))
 
 
 def _chan1(flange: float, web: float, inner: float, height: float) -> SectionValues | None:
@@ -169,13 +72,7 @@ def _chan1(flange: float, web: float, inner: float, height: float) -> SectionVal
 def _chan2(leg: float, base: float, height: float, width: float) -> SectionValues | None:
     """A channel that opens upwards: CHAN rotated by 90 degrees."""
     lying = _chan(height, width, base, leg)
-    return None if lying is None else _rotated(lying)
-
-
-def _rotated(s: SectionValues) -> SectionValues:
-    """The section rotated by 90 degrees, its z axis to y and its y axis to -z."""
-    y, z = s.shear_centre
-    return SectionValues(s.area, s.I2, s.I1, -s.I12, s.J, s.K2, s.K1, s.geometry.turned(), (z, -y))
+    return lying and lying.turned()
 
 
 def _t(width: float, height: float, flange: float, web: float) -> SectionValues | None:
@@ -184,19 +81,19 @@ def _t(width: float, height: float, flange: float, web: float) -> SectionValues 
     if min(width, flange, web, stem) <= 0:
         return None
     boxes = [Wall(0.0, 0.0, flange, width), Wall(-height / 2, 0.0, stem, web)]
-    return _built(boxes, _thin((width, flange), (height - flange / 2, web)), (0.0, 0.0))
+    return walled(boxes, thin((width, flange), (height - flange / 2, web)), (0.0, 0.0))
 
 
 def _t1(height: float, stem: float, flange: float, web: float) -> SectionValues | None:
     """Flange upright on the right, stem to the left: T rotated by 270 degrees."""
     s = _t(height, stem + flange, flange, web)
-    return None if s is None else _rotated(_rotated(_rotated(s)))
+    return s and s.turned().turned().turned()
 
 
 def _t2(width: float, height: float, flange: float, web: float) -> SectionValues | None:
     """Flange at the bottom: T upside down."""
     s = _t(width, height, flange, web)
-    return None if s is None else _rotated(_rotated(s))
+    return s and s.turned().turned()
 
 
 def _l(width: float, height: float, lying: float, upright: float) -> SectionValues | None:
@@ -205,7 +102,7 @@ def _l(width: float, height: float, lying: float, upright: float) -> SectionValu
     if min(width - upright, height - lying, lying, upright) <= 0:
         return None
     boxes = [Wall(0.0, (width - upright) / 2, lying, width), Wall(height / 2, 0.0, height - lying, upright)]
-    return _built(boxes, _thin((b, lying), (h, upright)), (0.0, 0.0))
+    return walled(boxes, thin((b, lying), (h, upright)), (0.0, 0.0))
 
 
 def _cross(arms: float, web: float, height: float, thickness: float) -> SectionValues | None:
@@ -215,7 +112,7 @@ def _cross(arms: float, web: float, height: float, thickness: float) -> SectionV
         Wall(0.0, 0.0, height, web),
         *(Wall(0.0, s * (web + arms / 2) / 2, thickness, arms / 2) for s in (1, -1)),
     ]
-    return _built(boxes, _thin((height, web), (arms, thickness)))
+    return walled(boxes, thin((height, web), (arms, thickness)))
 
 
 def _h(inner: float, flanges: float, height: float, web: float) -> SectionValues | None:
@@ -225,7 +122,7 @@ def _h(inner: float, flanges: float, height: float, web: float) -> SectionValues
         Wall(0.0, 0.0, web, inner),
         *(Wall(0.0, s * (inner + flanges / 2) / 2, height, flanges / 2) for s in (1, -1)),
     ]
-    return _built(boxes, _thin((inner, web), (height, flanges / 2), (height, flanges / 2)))
+    return walled(boxes, thin((inner, web), (height, flanges / 2), (height, flanges / 2)))
 
 
 def _z(flange: float, web: float, inner: float, height: float) -> SectionValues | None:
@@ -238,11 +135,11 @@ def _z(flange: float, web: float, inner: float, height: float) -> SectionValues 
         *(Wall(s * (height - t) / 2, -s * (web + flange) / 2, t, flange) for s in (1, -1)),
     ]
     strip = (flange + web / 2, t)
-    return _built(boxes, _thin(strip, strip, (height - t, web)))
+    return walled(boxes, thin(strip, strip, (height - t, web)))
 
 
 def _hexa(corner: float, width: float, height: float) -> SectionValues | None:
-    """Hexagon with points left and right; J by Saint-Venant's A^4 / (40 I_p)."""
+    """Hexagon with points left and right."""
     flat = width - 2 * corner
     if min(corner, height, flat) <= 0:
         return None
@@ -253,8 +150,7 @@ def _hexa(corner: float, width: float, height: float) -> SectionValues | None:
     I2 = height * flat**3 / 12 + 2 * (height * corner**3 / 36 + triangle * (flat / 2 + corner / 3) ** 2)
     y, z = height / 2, width / 2
     around = ((y, flat / 2), (0.0, z), (-y, flat / 2), (-y, -flat / 2), (0.0, -z), (y, -flat / 2))
-    shape = SectionGeometry(around, (), (around,))
-    return SectionValues(area, I1, I2, 0.0, area**4 / (40 * (I1 + I2)), 5 / 6, 5 / 6, shape)
+    return compact(area, I1, I2, around)
 
 
 def _hat(height: float, t: float, top: float, brim: float) -> SectionValues | None:
@@ -266,7 +162,7 @@ def _hat(height: float, t: float, top: float, brim: float) -> SectionValues | No
         boxes.append(Wall(0.0, s * (top - t) / 2, inner, t))
         boxes.append(Wall(-(height - t) / 2, s * (top / 2 - t + (brim + t) / 2), t, brim + t))
     h = height - t
-    return _built(boxes, _thin((top - t, t), (h, t), (h, t), (brim + t / 2, t), (brim + t / 2, t)))
+    return walled(boxes, thin((top - t, t), (h, t), (h, t), (brim + t / 2, t), (brim + t / 2, t)))
 
 
 def _hat1(width: float, height: float, top: float, t: float, bottom: float) -> SectionValues | None:
@@ -279,7 +175,7 @@ def _hat1(width: float, height: float, top: float, t: float, bottom: float) -> S
     w, h = top - t, height - t / 2 - bottom / 2
     cell = 4 * (w * h) ** 2 / (w / t + 2 * h / t + w / bottom)
     around = [Wall(bottom / 2, 0.0, bottom, width), Wall(height - t / 2, 0.0, t, top), *sides]
-    return _built([*_closed(around, w * h), *brims], cell + _thin((2 * brim, t + bottom)))
+    return walled([*closed(around, w * h), *brims], cell + thin((2 * brim, t + bottom)))
 
 
 def _dbox(
@@ -324,16 +220,16 @@ def _dbox(
     ):
         boxes.append(Wall(height - top / 2, at, top, w, own / top))
         boxes.append(Wall(bottom / 2, at, bottom, w, own / bottom))
-    return _built(boxes, J)
+    return walled(boxes, J)
 
 
 SHAPES = {
-    "ROD": SectionShape(1, _rod),
-    "TUBE": SectionShape(2, _tube),
+    "ROD": SectionShape(1, lambda radius: tube(radius, 0.0, 0.9)),
+    "TUBE": SectionShape(2, tube),
     "TUBE2": SectionShape(2, _tube2),
-    "BAR": SectionShape(2, _bar),
+    "BAR": SectionShape(2, bar),
     "BOX": SectionShape(4, _box),
-    "BOX1": SectionShape(6, _box1),
+    "BOX1": SectionShape(6, box),
     "I": SectionShape(6, _i),
     "I1": SectionShape(4, _i1),
     "CHAN": SectionShape(4, _chan),
