@@ -194,22 +194,29 @@ def walled_section(walls: Sequence[Wall], *, box: tuple[Loop, Loop] | None = Non
 
 
 def _convex_hull(places: list[Point]) -> list[Point]:
-    """Corners of the convex hull, from y towards z, by Andrew's monotone chain."""
-    flat = SAME_PLACE * float(np.prod(np.ptp(places, axis=0)))
+    """Corners of the convex hull, from y towards z, by Andrew's monotone chain; none on a straight side."""
+
+    def turn(a: Point, b: Point, c: Point) -> float:
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
     def chain(ordered: list[Point]) -> list[Point]:
         found: list[Point] = []
-        for y, z in ordered:
-            while len(found) > 1:
-                (y0, z0), (y1, z1) = found[-2:]
-                if (y1 - y0) * (z - z0) - (z1 - z0) * (y - y0) > flat:
-                    break
+        for place in ordered:
+            while len(found) > 1 and turn(*found[-2:], place) <= 0:
                 found.pop()
-            found.append((y, z))
+            found.append(place)
         return found[:-1]
 
     ordered = sorted(set(places))
-    return chain(ordered) + chain(ordered[::-1])
+    hull, i = chain(ordered) + chain(ordered[::-1]), 0
+    # A tolerance in the chains could drop a corner for one beside it: corners of walls differ by rounding.
+    flat = SAME_PLACE * float(np.prod(np.ptp(places, axis=0)))
+    while i < len(hull):
+        if turn(hull[i - 1], hull[i], hull[(i + 1) % len(hull)]) <= flat:
+            del hull[i]
+        else:
+            i += 1
+    return hull
 
 
 def _around(radius: float, count: int) -> Loop:

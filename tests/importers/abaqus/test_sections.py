@@ -640,6 +640,14 @@ def test_shapes_bring_their_points(kind, dimensions, points, extent):
         np.testing.assert_allclose(np.linalg.norm(shape.geometry.torsion_shear, axis=1), closed[kind])
 
 
+@pytest.mark.parametrize("a", np.linspace(0.05, 0.11, 13).tolist())
+def test_points_of_an_angle_include_its_outer_corner(a):
+    """The corner of both legs, whose walls differ there by rounding."""
+    found = np.array(beam_shape("L", [a, 0.113, 0.0125, 0.0198]).geometry.points)
+    corner = found.min(axis=0)
+    assert np.linalg.norm(found - corner, axis=1).min() < 1e-9
+
+
 def test_section_points_of_a_general_section(deck):
     text = node_rows(LINE3[:2]) + element_rows("B31", [[0, 1]])
     made = deck(
