@@ -87,6 +87,16 @@ def test_vtu_quadratic_wedges_and_pyramids(tmp_path, kind):
     assert volume(read_mesh(tmp_path / "part.vtu")) == pytest.approx(PARTS[base][1])
 
 
+def test_nodes_inside_a_cell_are_left_out(tmp_path):
+    x, nodes = used(*with_middles("hexahedron", PARTS["hexahedron"][0]))
+    inside = [x[nodes[list(face)]].mean(axis=0) for face in LINEAR_TYPES["hexahedron"].faces]
+    given = np.vstack([x, *inside, x.mean(axis=0)])
+    cell = [*nodes, *range(len(x), len(given))]
+    meshio.vtu.write(tmp_path / "part.vtu", meshio.Mesh(given, [("hexahedron27", [cell])]))
+    mesh = read_mesh(tmp_path / "part.vtu")
+    assert (list(mesh.cells), mesh.n_nodes) == ([CellType.HEXA20], 20)
+
+
 def test_vtu_wedges_as_vtk_turns_them(tmp_path):
     """Its first triangle looks outwards: the axis from it to the other is against its normal."""
     x, nodes = used(CUBE, PARTS["wedge"][0])

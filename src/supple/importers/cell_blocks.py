@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import ImportFormatError
-from supple.importers.file_mesh import FileMesh
+from supple.importers.file_mesh import FileMesh, joined
 from supple.importers.quadrilateral import (
     CROSSED,
     crossed_quadrilaterals,
@@ -21,8 +21,11 @@ from supple.mesh import CellType
 
 _CELL_TYPES = {kind.meshio_name: kind for kind in CellType}
 # Cell types with nodes inside faces or volume, and the types and numbers of nodes without these.
-_FEWER = {"hexahedron27": ("hexahedron20", 20), "wedge18": ("wedge15", 15), "pyramid14": ("pyramid13", 13)}
-_SURFACES = {"quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}
+_FEWER = {
+    "quad9": ("quad8", 8), "hexahedron27": ("hexahedron20", 20), "wedge18": ("wedge15", 15),
+    "pyramid14": ("pyramid13", 13),
+}  # fmt: skip
+_SURFACES = ("quad", "triangle6", "quad8")
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +51,7 @@ def file_mesh(
     """File mesh of the cells of the highest dimension; quadrilaterals, quadratic surfaces become triangles.
 
     Sets of these cells become cell sets and node sets; sets of cells of a lower dimension become node sets.
+    Nodes inside faces and cells are left out.
 
     Raises
     ------
@@ -58,33 +62,31 @@ def file_mesh(
         raise ImportFormatError(f"{path}: no cells; write the mesh with its cells")
     dimension = max(kind.dimension for kind, _ in ours)
     node_sets, cell_sets = dict(node_sets), {}
-    cells: dict[CellType, list[IntArray]] = {}
-    ids: dict[CellType, list[IntArray]] = {}
-    for kind, block in ours:
-        start = sum(len(part) for part in cells.get(kind, ()))
-        if kind.dimension == dimension:
-            cells.setdefault(kind, []).append(block.cells)
-            ids.setdefault(kind, []).append(block.ids)
-        for name, inside in block.sets.items():
-            if not inside.any():
-                continue
-            held = np.unique(block.cells[inside])
+    meshed = [(kind, block) for kind, block in ours if kind.dimension == dimension]
+    for name in dict.fromkeys(name for _, block in ours for name in block.sets):
+        own = [block.cells[block.sets[name]].ravel() for _, block in ours if name in block.sets]
+        held = np.unique(np.concatenate(own))
+        if held.size:
             node_sets[name] = np.union1d(node_sets.get(name, held), held)
-            if kind.dimension == dimension:
-                members = cell_sets.setdefault(name, {}).setdefault(kind, [])
-                members.append(start + np.flatnonzero(inside))
-    return FileMesh(
+        inside = joined(
+            (kind, block.sets.get(name, np.zeros(len(block.cells), dtype=bool))) for kind, block in meshed
+        )
+        members = {kind: np.flatnonzero(mask) for kind, mask in inside.items() if mask.any()}
+        if members:
+            cell_sets[name] = members
+    inner = np.zeros(len(nodes), dtype=bool)
+    for block in blocks:
+        inner[block.cells[:, _FEWER.get(block.type_name, ("", block.cells.shape[1]))[1] :]] = True
+    whole = FileMesh(
         path,
         nodes,
-        {kind: np.concatenate(parts) for kind, parts in cells.items()},
+        joined((kind, block.cells) for kind, block in meshed),
         node_sets,
-        {
-            name: {kind: np.concatenate(parts) for kind, parts in by_kind.items()}
-            for name, by_kind in cell_sets.items()
-        },
+        cell_sets,
         node_ids=node_ids,
-        cell_ids={kind: np.concatenate(parts) for kind, parts in ids.items()},
+        cell_ids=joined((kind, block.ids) for kind, block in meshed),
     )
+    return whole.without_unused(inner)
 
 
 def _cut(path: Path, nodes: FloatArray, block: CellBlock) -> tuple[CellType, CellBlock]:
@@ -104,7 +106,7 @@ def _cut(path: Path, nodes: FloatArray, block: CellBlock) -> tuple[CellType, Cel
             if crossed.size:
                 raise ImportFormatError(f"{path}: quadrilateral {block.ids[crossed[0]]}: {CROSSED}")
             return CellType.TRIANGLE3, _split(block, split_quadrilaterals(nodes, cells), 2)
-        triangles = split_quadratic_surfaces(nodes, cells[:, : 8 if name == "quad9" else None])
+        triangles = split_quadratic_surfaces(nodes, cells)
         return CellType.TRIANGLE3, _split(block, triangles, len(triangles) // len(cells))
     if name not in _CELL_TYPES:
         raise ImportFormatError(

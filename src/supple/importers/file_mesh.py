@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,6 +16,8 @@ from supple.mesh import CellType, Mesh
 from supple.mesh.mesh import no_ids
 
 __all__ = ["UnusedNodes"]
+
+Numbers = TypeVar("Numbers", IntArray, BoolArray)
 
 
 class UnusedNodes(Enum):
@@ -26,13 +29,12 @@ class UnusedNodes(Enum):
     """Drop unused nodes, also from node sets; a node set without other nodes is dropped."""
 
 
-@dataclass(frozen=True)
-class CellOrigin:
-    """Origin of a cell: element id and line of a file."""
-
-    path: Path
-    line: int
-    element: int
+def joined(parts: Iterable[tuple[CellType, Numbers]]) -> dict[CellType, Numbers]:
+    """Arrays of cells by type, those of one type joined in their order."""
+    found: dict[CellType, list[Numbers]] = {}
+    for kind, array in parts:
+        found.setdefault(kind, []).append(array)
+    return {kind: np.concatenate(arrays) for kind, arrays in found.items()}
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,8 @@ class FileMesh:
 
     node_ids : (N,) ids in the file; None without ids
     cell_ids : {CellType: (E,)} element ids in the file; cells of one element share its id
-    cell_origins : {CellType: (E,)} element and line of each cell, for formats with lines
+    cell_origins : {CellType: (E, 2)} line and element id of each cell, for formats with lines
+    place : function from such a line to its place in words
     """
 
     path: Path
@@ -49,9 +52,10 @@ class FileMesh:
     cells: dict[CellType, IntArray]
     node_sets: dict[str, IntArray]
     cell_sets: dict[str, dict[CellType, IntArray]]
-    cell_origins: Mapping[CellType, tuple[CellOrigin, ...]] = field(default_factory=dict)
+    cell_origins: Mapping[CellType, IntArray] = field(default_factory=dict)
     node_ids: IntArray | None = None
     cell_ids: Mapping[CellType, IntArray] = field(default_factory=dict)
+    place: Callable[[int], str] = str
 
     def to_mesh(self, *, only: str | None, unused_nodes: UnusedNodes) -> Mesh:
         """The checked mesh of everything, or of the cell set `only` and its nodes."""
@@ -75,8 +79,8 @@ class FileMesh:
         origins = self.cell_origins.get(CellType[error.kind]) if isinstance(error, CellError) else None
         if not isinstance(error, CellError) or origins is None:
             return str(self.path)
-        origin = origins[error.number]
-        return f"{origin.path}, line {origin.line}: element {origin.element}"
+        line, element = origins[error.number]
+        return f"{self.place(line)}: element {element}"
 
     def _only(self, name: str) -> FileMesh:
         if name not in self.cell_sets:
@@ -84,11 +88,6 @@ class FileMesh:
             raise ImportFormatError(f"{self.path}: no cell set '{name}' to read; the file has {known}")
         kept = {kind: np.sort(members) for kind, members in self.cell_sets[name].items()}
         cells = {kind: self.cells[kind][members] for kind, members in kept.items()}
-        origins = {
-            kind: tuple(self.cell_origins[kind][member] for member in members)
-            for kind, members in kept.items()
-            if kind in self.cell_origins
-        }
         cell_sets = {}
         for other, by_kind in self.cell_sets.items():
             shared = {
@@ -101,7 +100,7 @@ class FileMesh:
             self,
             cells=cells,
             cell_sets={n: members for n, members in cell_sets.items() if members},
-            cell_origins=origins,
+            cell_origins={kind: of[kept[kind]] for kind, of in self.cell_origins.items() if kind in kept},
             cell_ids={kind: ids[kept[kind]] for kind, ids in self.cell_ids.items() if kind in kept},
         )
 

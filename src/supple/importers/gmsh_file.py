@@ -37,10 +37,8 @@ _ORDER = {
     "wedge15": (0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11),
     "hexahedron20": (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15),
 }
-# Cells with nodes inside faces or volumes, and the cells without these nodes.
-_WITHOUT_INNER = {
-    "quad9": ("quad8", 8), "pyramid14": ("pyramid13", 13), "wedge18": ("wedge15", 15),
-    "hexahedron27": ("hexahedron20", 20),
+_ORDER |= {
+    "hexahedron27": _ORDER["hexahedron20"], "wedge18": _ORDER["wedge15"], "pyramid14": _ORDER["pyramid13"],
 }  # fmt: skip
 
 
@@ -51,7 +49,6 @@ class GmshElements:
     type_name : name of the shape as in `CellType`;  dimension : 0 to 3
     ids : (E,) element tags;  nodes : (E, k) node tags
     groups : {physical tag: (E,) mask of the members}
-    dropped : (E, j) tags of the nodes inside faces and cells, which are not read
     """
 
     type_name: str
@@ -59,7 +56,6 @@ class GmshElements:
     ids: IntArray
     nodes: IntArray
     groups: dict[int, BoolArray]
-    dropped: IntArray
 
 
 @dataclass(frozen=True)
@@ -83,21 +79,14 @@ def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
         tags, positions = _nodes_of_2(numbers("Nodes"))
         blocks = tuple(_elements_of_2(numbers("Elements")))
     else:
-        tags, positions = (
-            _nodes_of_40(numbers("Nodes")) if version == "4.0" else _nodes_of_4(numbers("Nodes"))
-        )
         old = version == "4.0"
+        tags, positions = _nodes_of_4(numbers("Nodes"), old=old)
         groups = _groups_of_4(numbers("Entities"), old=old) if b"$Entities" in content else {}
         blocks = tuple(_elements_of_4(numbers("Elements"), groups, old=old))
     second = first_repeated(tags)
     if second is not None:
         raise _unreadable(path, f"node {tags[second]} occurs twice in $Nodes")
-    dropped, used = (
-        np.concatenate([np.zeros(0, dtype=np.int64), *(getattr(block, part).ravel() for block in blocks)])
-        for part in ("dropped", "nodes")
-    )
-    kept = ~np.isin(tags, np.setdiff1d(dropped, used))
-    return GmshFile(tags[kept], positions[kept], blocks)
+    return GmshFile(tags, positions, blocks)
 
 
 def _unreadable(path: Path, why: str) -> ImportFormatError:
@@ -226,9 +215,9 @@ def _elements(
     section: _Section, number: int, ids: IntArray, nodes: IntArray, groups: dict[int, BoolArray]
 ) -> GmshElements:
     name, dimension, _ = _type(section, number)
-    name, n = _WITHOUT_INNER.get(name, (name, nodes.shape[1]))
-    ordered = nodes[:, _ORDER[name]] if name in _ORDER else nodes[:, :n]
-    return GmshElements(name, dimension, ids, ordered, groups, nodes[:, n:])
+    order = _ORDER.get(name, ())
+    ordered = nodes[:, [*order, *range(len(order), nodes.shape[1])]]
+    return GmshElements(name, dimension, ids, ordered, groups)
 
 
 def _nodes_of_2(section: _Section) -> tuple[IntArray, FloatArray]:
@@ -292,38 +281,27 @@ def _groups_of_tags(physical: IntArray) -> dict[int, BoolArray]:
     return {tag: np.abs(physical) == tag for tag in np.unique(np.abs(physical)).tolist() if tag}
 
 
-def _nodes_of_4(section: _Section) -> tuple[IntArray, FloatArray]:
-    n_blocks, n, _, _ = section.integers(4, wide=True).tolist()
-    tags, positions = [], []
+def _nodes_of_4(section: _Section, *, old: bool) -> tuple[IntArray, FloatArray]:
+    """Tags and positions; in format 4.0, which is text, each row has a tag and three coordinates."""
+    n_blocks, n = section.integers(2 if old else 4, wide=True).tolist()[:2]
+    tags, positions = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 3))]
     for _ in range(n_blocks):  # each reads part of the section: a false count is an error
         _, _, parametric = section.integers(3).tolist()
         if parametric:
             raise section.error("parametric nodes; save the mesh without them")
         count = section.integer(wide=True)
-        tags.append(section.integers(count, wide=True))
-        positions.append(section.reals(3 * count).reshape(-1, 3))
-    found = np.concatenate([np.zeros(0, dtype=np.int64), *tags])
+        if old:
+            rows = section.words(4 * count)
+            tags.append(section.converted(rows[::4], np.int64))
+            words = [word for i, word in enumerate(rows) if i % 4]
+            positions.append(section.converted(words, np.float64).reshape(-1, 3))
+        else:
+            tags.append(section.integers(count, wide=True))
+            positions.append(section.reals(3 * count).reshape(-1, 3))
+    found = np.concatenate(tags)
     if len(found) != n:
         raise section.error(f"{n} nodes are declared, and {len(found)} follow")
-    return found, np.concatenate([np.zeros((0, 3)), *positions])
-
-
-def _nodes_of_40(section: _Section) -> tuple[IntArray, FloatArray]:
-    """Nodes of format 4.0 in text: each row has a tag and three coordinates."""
-    n_blocks, n = section.integers(2).tolist()
-    tags, positions = [], []
-    for _ in range(n_blocks):
-        _, _, parametric, count = section.integers(4).tolist()
-        if parametric:
-            raise section.error("parametric nodes; save the mesh without them")
-        rows = section.words(4 * count)
-        tags.append(section.converted(rows[::4], np.int64))
-        words = [word for i, word in enumerate(rows) if i % 4]
-        positions.append(section.converted(words, np.float64).reshape(-1, 3))
-    found = np.concatenate([np.zeros(0, dtype=np.int64), *tags])
-    if len(found) != n:
-        raise section.error(f"{n} nodes are declared, and {len(found)} follow")
-    return found, np.concatenate([np.zeros((0, 3)), *positions])
+    return found, np.concatenate(positions)
 
 
 def _groups_of_4(section: _Section, *, old: bool) -> dict[tuple[int, int], list[int]]:

@@ -55,8 +55,12 @@ class KeywordFile:
 
     def error(self, line: int, message: str) -> ImportFormatError:
         """The error for a mistake found at a line of this file."""
+        return ImportFormatError(f"{self.place(line)}: {message}")
+
+    def place(self, line: int) -> str:
+        """Path and number of a line."""
         path, number, _ = self.lines[line]
-        return ImportFormatError(f"{path}, line {number}: {message}")
+        return f"{path}, line {number}"
 
     @cached_property
     def numbers(self) -> IntArray:

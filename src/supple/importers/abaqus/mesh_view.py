@@ -13,10 +13,10 @@ from supple.importers.abaqus.deck_model import read_model
 from supple.importers.abaqus.element_types import Family, cells_of, element_type
 from supple.importers.abaqus.keyword_elements import ElementBlock
 from supple.importers.abaqus.public_names import public_ids, public_sets
-from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
+from supple.importers.file_mesh import FileMesh, UnusedNodes, joined
 from supple.importers.keyword_file import KeywordFile, read_keyword_file
 from supple.importers.node_table import NodeTable
-from supple.mesh import CellType, Mesh
+from supple.mesh import Mesh
 
 __all__ = ["read_abaqus"]
 
@@ -68,18 +68,12 @@ def read_abaqus(
     meshed = [block for block in model.elements if block.type.family in _MESHED]
     meshed = meshed or [block for block in model.elements if block.type.name.startswith(_PLANE_STRESS)]
     others = [block for block in model.elements if block not in meshed]
-    cells: dict[CellType, list[IntArray]] = {}
-    owners: dict[CellType, list[IntArray]] = {}
-    origins: dict[CellType, list[CellOrigin]] = {}
-    for block in meshed:
-        for kind, made, owner in cells_of(block.type, block.nodes, model.positions):
-            cells.setdefault(kind, []).append(made)
-            owners.setdefault(kind, []).append(block.first + owner)
-            origins.setdefault(kind, []).extend(
-                CellOrigin(file.lines[line][0], file.lines[line][1], element)
-                for element, line in zip(block.ids[owner].tolist(), block.lines[owner].tolist(), strict=True)
-            )
-    owner_of = {kind: np.concatenate(parts) for kind, parts in owners.items()}
+    made = [
+        (kind, cells, block, owner)
+        for block in meshed
+        for kind, cells, owner in cells_of(block.type, block.nodes, model.positions)
+    ]
+    owner_of = joined((kind, block.first + owner) for kind, _, block, owner in made)
     ids = public_ids(model)
     node_sets, cell_sets = public_sets(model, model.node_sets), {}
     taken = {name.upper() for name in node_sets}
@@ -98,12 +92,15 @@ def read_abaqus(
     whole = FileMesh(
         path,
         model.positions,
-        {kind: np.vstack(parts) for kind, parts in cells.items()},
+        joined((kind, cells) for kind, cells, _, _ in made),
         node_sets,
         cell_sets,
-        {kind: tuple(each) for kind, each in origins.items()},
+        joined(
+            (kind, np.column_stack([block.lines[owner], block.ids[owner]])) for kind, _, block, owner in made
+        ),
         ids.nodes,
         {kind: ids.elements[of] for kind, of in owner_of.items()},
+        file.place,
     )
     return whole.without_unused(interior).to_mesh(only=only, unused_nodes=unused_nodes)
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from supple.arguments import checked_arguments
-from supple.arrays import FloatArray, IntArray
+from supple.arrays import FloatArray
 from supple.errors import ImportFormatError, SuppleWarning
 from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.connection import Connection
 from supple.importers.deck import Deck, RigidTie
-from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
+from supple.importers.file_mesh import FileMesh, UnusedNodes, joined
 from supple.importers.nastran.bulk_data import BulkCard, read_bulk_data
 from supple.importers.nastran.deck_file import (
     CARDS_NOT_READ,
@@ -28,7 +28,7 @@ from supple.importers.nastran.retained_freedoms import modal_freedoms, retained_
 from supple.importers.nastran.rigid import read_ties
 from supple.importers.nastran.supports import read_supports
 from supple.importers.node_table import NodeTable
-from supple.mesh import CellType, Mesh
+from supple.mesh import Mesh
 
 __all__ = ["NASTRAN_SUFFIXES", "read_nastran"]
 
@@ -87,17 +87,7 @@ def _of_highest_dimension(deck: Deck) -> FileMesh:
 
 
 def _of_all_cells(deck: Deck) -> FileMesh:
-    cells: dict[CellType, list[IntArray]] = {}
-    ids: dict[CellType, list[IntArray]] = {}
-    origins: dict[CellType, list[CellOrigin]] = {}
-    for found in deck.elements:
-        cells.setdefault(found.kind, []).append(found.nodes)
-        ids.setdefault(found.kind, []).append(found.ids)
-        origins.setdefault(found.kind, []).extend(
-            CellOrigin(deck.path, line, element)
-            for line, element in zip(found.lines.tolist(), found.ids.tolist(), strict=True)
-        )
-    all_ids = {kind: np.concatenate(parts) for kind, parts in ids.items()}
+    all_ids = joined((each.kind, each.ids) for each in deck.elements)
     sets = {
         name: {
             kind: inside for kind, own in all_ids.items() if len(inside := np.flatnonzero(np.isin(own, of)))
@@ -107,12 +97,13 @@ def _of_all_cells(deck: Deck) -> FileMesh:
     return FileMesh(
         deck.path,
         deck.nodes,
-        {kind: np.vstack(parts) for kind, parts in cells.items()},
+        joined((each.kind, each.nodes) for each in deck.elements),
         dict(deck.node_sets),
         sets,
-        {kind: tuple(found) for kind, found in origins.items()},
+        joined((each.kind, np.column_stack([each.lines, each.ids])) for each in deck.elements),
         deck.node_ids,
         all_ids,
+        lambda line: f"{deck.path}, line {line}",
     )
 
 
