@@ -48,17 +48,9 @@ def read_ansys(
     """Mesh of an Ansys archive (.cdb): its cells of the highest dimension.
 
     Components of nodes and elements become sets, and so do the elements of each material: material_ID. Bricks
-    with repeated nodes become wedges, pyramids or tetrahedra.
-
-    Parameters
-    ----------
-    only : str or None            an element component or material_ID: read only its cells and nodes
-    unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses, such as orientation nodes of beams
-    Raises
-    ------
-    ImportFormatError   mapdl-archive missing (install `supple[ansys]`); missing, cut or foreign file; element
-                        types that are not read
-    MeshError           nodes and cells that are not a usable mesh
+    with repeated nodes become wedges, pyramids or tetrahedra. Orientation nodes of beams are unused nodes.
+    Parameters and errors are those of `read_mesh`; also ImportFormatError without the library mapdl-archive
+    (install `supple[ansys]`).
     """
     path = Path(path)
     try:

@@ -52,13 +52,8 @@ def read_csv_table(
 ) -> CsvTable:
     """Table of a CSV file; lines that are empty or start with '#' are ignored.
 
-    Parameters
-    ----------
-    path : str, Path or package resource
     required, optional : names of columns; any other name is an error, as it may be misspelt
-    Returns
-    -------
-    CsvTable
+
     Raises
     ------
     ImportFormatError   missing file, missing, unknown or repeated columns, rows of another length

@@ -64,16 +64,7 @@ def read_exodus(
     """Mesh of an Exodus file: its cells of the highest dimension, its blocks as cell sets.
 
     Node sets and side sets become node sets. Sets and blocks without names are called nodeset_ID, sideset_ID
-    and block_ID.
-
-    Parameters
-    ----------
-    only : str or None            a block: read only its cells and nodes
-    unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses
-    Raises
-    ------
-    ImportFormatError   missing, cut or foreign file; element types that are not read; sets with missing nodes
-    MeshError           nodes and cells that are not a usable mesh
+    and block_ID. Parameters and errors are those of `read_mesh`.
     """
     path = Path(path)
     try:

@@ -35,19 +35,7 @@ def read_gmsh(
     second order become triangles over all nodes on their edges. Nodes inside faces and cells of second order
     (such as hexahedra with 27 nodes) are left out. Format 2 repeats a cell for each of its groups; such a
     cell is read once. With a group of a lower dimension as `only`, the cells of that dimension are read.
-
-    Parameters
-    ----------
-    path : str or Path
-    only : str or None            a physical group: read only its cells and nodes; None reads everything
-    unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses, such as the centres of arcs
-    Returns
-    -------
-    Mesh   nodes in the order of the file
-    Raises
-    ------
-    ImportFormatError   missing, cut or unreadable file, unknown cell type, cells naming missing nodes
-    MeshError           nodes and cells that are not a usable mesh
+    The centres of arcs are unused nodes. Parameters and errors are those of `read_mesh`.
     """
     path = Path(path)
     text = _whole_text(path)

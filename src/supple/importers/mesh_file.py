@@ -39,9 +39,14 @@ def read_mesh(
     .msh, .inp, .bdf .dat .nas .blk, .vtu, .exo .e .ex2 .g, .cdb: see `read_gmsh`, `read_abaqus`,
     `read_nastran`, `read_vtu`, `read_exodus` and `read_ansys`.
 
+    Parameters
+    ----------
+    only : str or None            a cell set: read only its cells and nodes; None reads everything
+    unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses, such as reference points
     Raises
     ------
-    ImportFormatError   a suffix without a reader; errors of the reader
+    ImportFormatError   a suffix without a reader; a missing, cut or foreign file; cells of a type that is not
+                        read; cells or sets with missing nodes
     MeshError           nodes and cells that are not a usable mesh
     """
     reader = READERS.get(Path(path).suffix.lower())

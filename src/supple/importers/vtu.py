@@ -74,14 +74,7 @@ def read_vtu(
     more than 1000 different values in a piece defines no sets. An integer array NAME of values 0 and 1 on
     points defines a node set NAME of the points with 1.
 
-    Parameters
-    ----------
-    only : str or None            a cell set: read only its cells and nodes
-    unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses
-    Raises
-    ------
-    ImportFormatError   missing, cut or unreadable file; compression other than zlib; an unsupported cell type
-    MeshError           nodes and cells that are not a usable mesh
+    Parameters and errors are those of `read_mesh`; also ImportFormatError for compression other than zlib.
     """
     path = Path(path)
     file, root = _opened(path)

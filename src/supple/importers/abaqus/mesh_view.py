@@ -44,22 +44,10 @@ def read_abaqus(
     Meshers write named surfaces as plane or surface elements, and lines as trusses without a section: these
     are no cells, and a set of them becomes the set of their nodes, unless a node set has its name. In a mesh
     without solids and shells, plane stress elements are its surface. Set names are compared regardless of
-    case and keep their first spelling.
+    case and keep their first spelling; members of node sets are in the order of their lines.
 
-    Parameters
-    ----------
-    path : str or Path
-    only : str or None            a cell set: read only its cells and nodes; None reads everything
-    unused_nodes : UnusedNodes    REFUSE or DROP nodes that no element uses
-    Returns
-    -------
-    Mesh   nodes in the order of the file, members of node sets in the order of their lines
-    Raises
-    ------
-    ImportFormatError   missing or cut file, missing or repeated ids, unknown members of sets; beams, trusses,
-                        springs, masses and unknown element types; constraints, nonstructural mass and
-                        shell offsets
-    MeshError           nodes and cells that are not a usable mesh
+    Parameters and errors are those of `read_mesh`; also ImportFormatError for repeated ids, beams, trusses,
+    springs, masses, constraints, nonstructural mass and shell offsets.
     """
     path = Path(path)
     file = read_keyword_file(path)

@@ -48,12 +48,6 @@ class _Header:
 def read_matrix(path: str | Path) -> csc_array:
     """Real matrix of a Matrix Market file, coordinate or array format; symmetric storage is expanded.
 
-    Parameters
-    ----------
-    path : str or Path
-    Returns
-    -------
-    csc_array (m, n)   float64
     Raises
     ------
     ImportFormatError   missing, unreadable or cut file; a size that does not fit its entries; complex or

@@ -49,15 +49,12 @@ def read_nastran(
     A file without property and material cards, as meshers write it, is read by its cells of the highest
     dimension. The property numbers of all its cells give node sets, also prod_ID of its lines.
 
-    Parameters
-    ----------
-    only : str or None          a cell set: read only its cells and nodes; None reads everything
-    unused_nodes : UnusedNodes  REFUSE or DROP grids that no cell uses; reference grids of ties are dropped
+    Parameters are those of `read_mesh`; unused reference grids of ties are dropped in any case.
+
     Raises
     ------
-    ImportFormatError   as for `read_nastran_deck`; no elements; elements that are not supported, or whose
-                        property or material is not supported, or missing beside others; missing included
-                        files
+    ImportFormatError   as for `read_mesh` and `read_nastran_deck`; elements whose property or material is not
+                        supported, or missing beside others; missing included files
     MeshError           nodes and cells that are not a usable mesh, such as flat elements
     Warns
     -----

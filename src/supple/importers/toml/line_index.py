@@ -36,12 +36,7 @@ class LineIndex:
 
 
 def index_lines(text: str) -> LineIndex:
-    """Index the lines of a TOML text that the standard reader has already accepted.
-
-    Parameters
-    ----------
-    text : str   valid TOML: the scan follows its grammar and does not check it again
-    """
+    """Index the lines of a TOML text that the standard reader accepted; its grammar is not checked again."""
     # A path that occurs twice (in a dotted key, then in a header of its own) has its first line.
     lines: dict[KeyPath, int] = {}
     for path, line in _Scanner(text).document():

@@ -19,14 +19,6 @@ def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversab
     The polar `name` is the file `name.csv` of the folder, with columns alpha_deg, cl, cd; a column cm is
     ignored. The radius of the tip is the last radius.
 
-    Parameters
-    ----------
-    path : str, Path or package resource
-    polars : folder of the polars; types as for `path`
-    n_blades : int
-    Returns
-    -------
-    Rotor   angles in rad
     Raises
     ------
     ImportFormatError   missing files, folder or columns, unknown polars, words instead of numbers

@@ -27,13 +27,6 @@ def read_stations(path: str | Path | Traversable, *, sections: str | Path | Trav
     (round, flat or sharp; default: sharp), prebend_m, sweep_m. Section `name` is the file `name.csv` of the
     folder, with columns x_over_c, y_over_c.
 
-    Parameters
-    ----------
-    path : str, Path or package resource
-    sections : folder of the outlines; types as for `path`
-    Returns
-    -------
-    BladeStations   angles in rad
     Raises
     ------
     ImportFormatError   missing files, folder or columns, unknown sections or trailing edges, words instead of

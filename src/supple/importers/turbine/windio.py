@@ -25,12 +25,8 @@ def read_windio_blade(path: str | Path) -> BladeStations:
     shifted by `section_offset_x` normal to the chord of the twisted section. Sections stay normal to z,
     whereas windIO rotates them with the axis.
 
-    Parameters
-    ----------
-    path : str or Path
-    Returns
-    -------
-    BladeStations   span from the first point of the reference axis, m; angles in rad
+    The span counts from the first point of the reference axis.
+
     Raises
     ------
     ImportFormatError   missing file, no YAML, missing entries, unknown airfoils, entries that are not numbers
