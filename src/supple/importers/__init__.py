@@ -2,7 +2,6 @@
 
 from supple.importers.abaqus.mesh_view import *
 from supple.importers.ansys import *
-from supple.importers.connection import *
 from supple.importers.deck_file import *
 from supple.importers.exodus import *
 from supple.importers.file_mesh import *

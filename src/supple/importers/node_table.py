@@ -1,4 +1,4 @@
-"""Node table: the labelled nodes of a mesh file without its elements, for matrices of the same model."""
+"""The labelled nodes and connections of a mesh file without its elements, for matrices of the same model."""
 
 from __future__ import annotations
 
@@ -8,9 +8,24 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from supple.arrays import FloatArray, IntArray
-from supple.importers.connection import Connection
 
-__all__ = ["NodeTable"]
+__all__ = ["Connection", "NodeTable"]
+
+
+@dataclass(frozen=True, eq=False)
+class Connection:
+    """Nodes tied to a reference point: rigidly (RBE2), or on average with `weights` (RBE3).
+
+    name     : rbe2_ID or rbe3_ID
+    nodes    : (k,) numbers of the nodes
+    position : (3,) of the reference point
+    weights  : (k,) of an averaging connection; None for a rigid one
+    """
+
+    name: str
+    nodes: IntArray
+    position: FloatArray
+    weights: FloatArray | None
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,4 +16,3 @@ from supple.mesh.plate import *
 from supple.mesh.quadratic import *
 from supple.mesh.section_geometry import *
 from supple.mesh.skin import *
-from supple.mesh.strip import *

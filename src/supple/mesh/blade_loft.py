@@ -12,8 +12,7 @@ from supple.errors import MeshError
 from supple.mesh.blade_stations import SHAPE_POINTS, BladeStations
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
-from supple.mesh.shape_arguments import check_counts
-from supple.mesh.structured_grid import alternating_triangles, grid_quads
+from supple.mesh.structured_grid import alternating_triangles, check_counts, grid_quads
 
 __all__ = ["BladeGrid", "ShearWebs", "loft_blade"]
 

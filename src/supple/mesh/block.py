@@ -7,8 +7,7 @@ import numpy as np
 from supple.mesh.cell_type import CellType
 from supple.mesh.extrusion import extrude
 from supple.mesh.mesh import Mesh
-from supple.mesh.shape_arguments import check_counts, check_sizes
-from supple.mesh.structured_grid import grid_quads
+from supple.mesh.structured_grid import check_counts, check_sizes, grid_quads
 
 __all__ = ["block"]
 

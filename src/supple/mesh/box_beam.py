@@ -6,8 +6,7 @@ import numpy as np
 
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
-from supple.mesh.shape_arguments import check_counts, check_sizes
-from supple.mesh.structured_grid import alternating_triangles, grid_perimeter
+from supple.mesh.structured_grid import alternating_triangles, check_counts, check_sizes, grid_perimeter
 
 __all__ = ["box_beam"]
 

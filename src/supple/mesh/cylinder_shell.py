@@ -9,8 +9,7 @@ import numpy as np
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
-from supple.mesh.shape_arguments import check_counts, check_sizes
-from supple.mesh.structured_grid import alternating_triangles
+from supple.mesh.structured_grid import alternating_triangles, check_counts, check_sizes
 
 __all__ = ["cylinder_shell"]
 

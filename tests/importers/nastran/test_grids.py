@@ -7,8 +7,7 @@ import pytest
 
 from supple.errors import ImportFormatError
 from supple.importers.nastran.bulk_data import read_bulk_data
-from supple.importers.nastran.coordinate_system import CoordinateKind, through_points
-from supple.importers.nastran.grids import read_grids
+from supple.importers.nastran.grids import CoordinateKind, read_grids, through_points
 
 NESTED = """\
 CORD2C,1,0,1.,0.,0.,1.,0.,1.

@@ -8,8 +8,7 @@ from fixtures.section_tables import COUPLED, inertia
 
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import files_read_with, read_section_table
-from supple.importers.section_table import UPPER
-from supple.importers.turbine.fine_grid import fine_grid
+from supple.importers.section_table import UPPER, fine_grid
 from supple.machine import DeadForce, Fixed, System
 from supple.methods.intrinsic import CLAMPED, intrinsic_body, section_line
 from supple.simulation import equilibrium

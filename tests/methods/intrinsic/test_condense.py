@@ -8,9 +8,8 @@ from supple.body import AveragingInterface, RigidInterface, flexible_body
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError
 from supple.fem import BeamSection, HomogeneousSection, Isotropic, shell_model, solid_model
-from supple.mesh import CellType, Mesh
+from supple.mesh import CellType, Mesh, strip
 from supple.mesh.block import block
-from supple.mesh.strip import strip
 from supple.methods.intrinsic import CLAMPED, FREE, LoadPath, LoadPaths, NodeSetPath, condense
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 

@@ -10,7 +10,7 @@ from supple.errors import ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, RungeKutta4
 from supple.machine import GROUND, At, Fixed, Placed, PrescribedRotation, Revolute, SpringDamper, System
-from supple.mesh.strip import strip
+from supple.mesh import strip
 from supple.methods.intrinsic import BALL, FREE, LoadPath, condense, intrinsic_body, released
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.quantities import (

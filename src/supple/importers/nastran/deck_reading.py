@@ -12,8 +12,7 @@ from supple.importers.deck import LeftOut, NodalMatrix
 from supple.importers.freedom_sums import FreedomSums, Terms, motion_along
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 from supple.importers.nastran.case_control import CaseControl
-from supple.importers.nastran.coordinate_system import CoordinateSystem
-from supple.importers.nastran.grids import GridPoints
+from supple.importers.nastran.grids import CoordinateSystem, GridPoints
 from supple.importers.numbering import positions_of_ids
 
 # Provisional number of the first scalar point; `final_freedoms` replaces it by the number of nodes.

@@ -11,7 +11,6 @@ from supple.arguments import checked_arguments
 from supple.arrays import FloatArray
 from supple.errors import ImportFormatError, SuppleWarning
 from supple.importers.cell_blocks import CellBlock, file_mesh
-from supple.importers.connection import Connection
 from supple.importers.deck import Deck, RigidTie
 from supple.importers.file_mesh import FileMesh, UnusedNodes, joined
 from supple.importers.nastran.bulk_data import BulkCard, read_bulk_data
@@ -27,7 +26,7 @@ from supple.importers.nastran.deck_file import (
 from supple.importers.nastran.retained_freedoms import modal_freedoms, retained_freedoms
 from supple.importers.nastran.rigid import read_ties
 from supple.importers.nastran.supports import read_supports
-from supple.importers.node_table import NodeTable
+from supple.importers.node_table import Connection, NodeTable
 from supple.mesh import Mesh
 
 __all__ = ["NASTRAN_SUFFIXES", "read_nastran"]

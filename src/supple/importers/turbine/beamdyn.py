@@ -12,9 +12,8 @@ import scipy  # its parts are imported when first used
 from supple.arrays import FloatArray
 from supple.errors import ImportFormatError
 from supple.importers.plain_number import number_of_word, plain_integer
-from supple.importers.section_table import SectionTable, check_sections, twisted_axes
+from supple.importers.section_table import SectionTable, check_sections, fine_grid, matrices_at, twisted_axes
 from supple.importers.text_file import file_lines
-from supple.importers.turbine.fine_grid import fine_grid, matrices_at
 
 __all__ = ["read_beamdyn_sections"]
 

@@ -8,8 +8,15 @@ import numpy as np
 
 from supple.arrays import FloatArray
 from supple.errors import ImportFormatError
-from supple.importers.section_table import UPPER, SectionTable, check_sections, section_matrix, twisted_axes
-from supple.importers.turbine.fine_grid import fine_grid, matrices_at
+from supple.importers.section_table import (
+    UPPER,
+    SectionTable,
+    check_sections,
+    fine_grid,
+    matrices_at,
+    section_matrix,
+    twisted_axes,
+)
 from supple.importers.turbine.windio_file import WindioFile
 
 __all__ = ["read_windio_sections"]
