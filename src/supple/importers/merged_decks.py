@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from supple.arrays import IntArray
-from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
-
-Tie = TypeVar("Tie", RigidTie, WeightedMean)
+from supple.importers.deck import Deck, DeckElements
+from supple.importers.restricted_deck import renumbered_deck
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,45 +90,26 @@ def _without_repeats(ids: IntArray, taken: IntArray) -> IntArray:
 
 def _renumbered(deck: Deck, number: IntArray, before: str, taken: IntArray) -> Deck:
     """The deck in the node numbers of the assembly; element ids in use are replaced by free ones."""
+    made = renumbered_deck(deck, number)
     named = {name: f"{before}{name}" for name in deck.properties}
-
-    def freedoms(given: IntArray) -> IntArray:
-        return 6 * number[given // 6] + given % 6
-
-    def matrix(given: NodalMatrix) -> NodalMatrix:
-        return replace(given, freedoms=freedoms(given.freedoms))
-
-    def terms(given: ScalarTerms) -> ScalarTerms:
-        dependent = given.dependent
-        new = np.where(dependent < 0, -1, freedoms(np.maximum(dependent, 0))) if len(dependent) else dependent
-        return replace(given, freedoms=freedoms(given.freedoms), dependent=new)
-
-    def tied(given: Tie) -> Tie:
-        reference, nodes = int(number[given.reference]), number[given.nodes]
-        return replace(given, name=f"{before}{given.name}", reference=reference, nodes=nodes)
-
     old = np.unique(np.concatenate([taken[:0], *(each.ids for each in deck.elements)]))
     new = _without_repeats(old, taken)
 
     def elements(given: DeckElements) -> DeckElements:
-        return replace(
-            given,
-            nodes=number[given.nodes],
-            ids=new[np.searchsorted(old, given.ids)],
-            property=named.get(given.property, given.property),
-        )
+        own = named.get(given.property, given.property)
+        return replace(given, ids=new[np.searchsorted(old, given.ids)], property=own)
 
     return replace(
-        deck.with_actions(matrix, terms),
-        elements=tuple(elements(each) for each in deck.elements),
+        made,
+        elements=tuple(elements(each) for each in made.elements),
         properties={named[name]: each for name, each in deck.properties.items()},
-        node_sets={f"{before}{name}": number[nodes] for name, nodes in deck.node_sets.items()},
+        node_sets={f"{before}{name}": nodes for name, nodes in made.node_sets.items()},
         element_sets={
             f"{before}{name}": new[np.searchsorted(old, of[np.isin(of, old)])]
             for name, of in deck.element_sets.items()
         },
-        rigid=tuple(tied(each) for each in deck.rigid),
-        means=tuple(tied(each) for each in deck.means),
+        rigid=tuple(replace(each, name=f"{before}{each.name}") for each in made.rigid),
+        means=tuple(replace(each, name=f"{before}{each.name}") for each in made.means),
     )
 
 

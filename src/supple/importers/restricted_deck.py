@@ -1,4 +1,4 @@
-"""Restriction of a deck to some of its nodes, for one part or one instance of an assembly."""
+"""Decks on some of their nodes, for one part or one instance of an assembly, and in other node numbers."""
 
 from __future__ import annotations
 
@@ -22,41 +22,54 @@ def restricted_deck(deck: Deck, own: BoolArray) -> Deck:
     if own.all():
         return deck
     points = np.append(own, np.ones(len(deck.scalar_points), dtype=bool))
-    number = np.cumsum(points) - 1
 
     def matrix(given: NodalMatrix) -> NodalMatrix | None:
-        if not len(given.freedoms) or not points[given.freedoms // 6].all():
-            return None
-        return replace(given, freedoms=_renumbered(given.freedoms, number))
+        return given if len(given.freedoms) and points[given.freedoms // 6].all() else None
 
-    node_sets = {name: number[of[own[of]]] for name, of in deck.node_sets.items()}
-    elements = (_elements(each, own, number) for each in deck.elements)
-    return replace(
-        deck.with_actions(matrix, lambda each: _terms(each, points, number)),
+    def terms(given: ScalarTerms) -> ScalarTerms:
+        rows = np.ones(len(given.lines), dtype=bool)
+        rows[given.rows[~points[given.freedoms // 6]]] = False
+        return kept_terms(given, rows)
+
+    def inside(tie: RigidTie | WeightedMean) -> bool:
+        return bool(own[tie.reference] and own[tie.nodes].all())
+
+    node_sets = {name: of[own[of]] for name, of in deck.node_sets.items()}
+    elements = (kept_elements(each, np.all(own[each.nodes], axis=1)) for each in deck.elements)
+    kept = replace(
+        deck.with_actions(matrix, terms),
         node_ids=deck.node_ids[own],
         nodes=deck.nodes[own],
         elements=tuple(each for each in elements if len(each.ids)),
         node_sets={name: nodes for name, nodes in node_sets.items() if len(nodes)},
-        rigid=tuple(_tie(each, number) for each in deck.rigid if _inside(each, own)),
-        means=tuple(_tie(each, number) for each in deck.means if _inside(each, own)),
+        rigid=tuple(each for each in deck.rigid if inside(each)),
+        means=tuple(each for each in deck.means if inside(each)),
     )
+    return renumbered_deck(kept, np.cumsum(points) - 1)
 
 
-def _inside(tie: RigidTie | WeightedMean, own: BoolArray) -> bool:
-    return bool(own[tie.reference] and own[tie.nodes].all())
+def renumbered_deck(deck: Deck, number: IntArray) -> Deck:
+    """The deck with the node or scalar point j numbered number[j], in all that refers to it."""
 
+    def freedoms(given: IntArray) -> IntArray:
+        return np.where(given < 0, given, 6 * number[given // 6] + given % 6)
 
-def _tie(tie: Tie, number: IntArray) -> Tie:
-    return replace(tie, reference=int(number[tie.reference]), nodes=number[tie.nodes])
+    def matrix(given: NodalMatrix) -> NodalMatrix:
+        return replace(given, freedoms=freedoms(given.freedoms))
 
+    def terms(given: ScalarTerms) -> ScalarTerms:
+        return replace(given, freedoms=freedoms(given.freedoms), dependent=freedoms(given.dependent))
 
-def _renumbered(freedoms: IntArray, number: IntArray) -> IntArray:
-    return 6 * number[freedoms // 6] + freedoms % 6
+    def tied(given: Tie) -> Tie:
+        return replace(given, reference=int(number[given.reference]), nodes=number[given.nodes])
 
-
-def _elements(given: DeckElements, own: BoolArray, number: IntArray) -> DeckElements:
-    kept = kept_elements(given, np.all(own[given.nodes], axis=1))
-    return replace(kept, nodes=number[kept.nodes])
+    return replace(
+        deck.with_actions(matrix, terms),
+        elements=tuple(replace(each, nodes=number[each.nodes]) for each in deck.elements),
+        node_sets={name: number[nodes] for name, nodes in deck.node_sets.items()},
+        rigid=tuple(tied(each) for each in deck.rigid),
+        means=tuple(tied(each) for each in deck.means),
+    )
 
 
 def kept_elements(given: DeckElements, own: BoolArray) -> DeckElements:
@@ -77,17 +90,6 @@ def kept_terms(given: ScalarTerms, own: BoolArray) -> ScalarTerms:
         values=given.values[own] if len(given.values) else given.values,
         dependent=given.dependent[own] if len(given.dependent) else given.dependent,
     )
-
-
-def _terms(given: ScalarTerms, own: BoolArray, number: IntArray) -> ScalarTerms:
-    """The rows whose freedoms all belong to points of the mask `own`, with point numbers `number`."""
-    rows = np.ones(len(given.lines), dtype=bool)
-    rows[given.rows[~own[given.freedoms // 6]]] = False
-    kept = kept_terms(given, rows)
-    dependent = np.where(
-        kept.dependent < 0, kept.dependent, _renumbered(np.maximum(kept.dependent, 0), number)
-    )
-    return replace(kept, freedoms=_renumbered(kept.freedoms, number), dependent=dependent)
 
 
 def used_nodes(deck: Deck) -> BoolArray:

@@ -32,7 +32,18 @@ _GROWS = re.compile(r"\*\s*\(?\s*([^()]+?)\s*\)?$")
 MOST_REPETITIONS = 10**6
 """Largest number n of a replication `=n`; a larger n is an ImportFormatError."""
 
-RawLine = tuple[Path, int, str]
+
+class RawLine(NamedTuple):
+    """A line of a file."""
+
+    path: Path
+    number: int
+    text: str
+
+    def error(self, message: str) -> ImportFormatError:
+        """ImportFormatError with path and number of this line, then `message`."""
+        return ImportFormatError(f"{self.path}, line {self.number}: {message}")
+
 
 # Start of a line in place of a missing included file.
 _MISSING = "INCLUDE "
@@ -259,8 +270,7 @@ class _Piece:
 
     name: str
     fields: list[str]
-    path: Path
-    line: int
+    at: RawLine
     label: str
     announces: str
 
@@ -270,9 +280,9 @@ def _cards(lines: Sequence[RawLine]) -> list[BulkCard]:
     orphans: dict[str, _Piece] = {}
     piece: _Piece | None = None
     skipping = False
-    rows = [(file, number, *_split(file, number, text)) for file, number, text in lines]
+    rows = [(line, *_split(line)) for line in lines]
     announced = {last[1:].strip().upper() for *_, last in rows if last}
-    for file, number, first, data, last in rows:
+    for line, first, data, last in rows:
         if first.upper() in ("SKIPON", "SKIPOFF"):
             skipping = first.upper() == "SKIPON"
             continue
@@ -287,29 +297,22 @@ def _cards(lines: Sequence[RawLine]) -> list[BulkCard]:
             and last[0] not in "+*"
             and not has_no_effect(first.upper() if starts else piece.name if piece else "")
         ):
-            raise _error(
-                file,
-                number,
-                f"'{last}' is in the field of the continuation label; write it on the next line",
-            )
+            raise line.error(f"'{last}' is in the field of the continuation label; write it on the next line")
         if starts:
-            piece = _Piece(_card_name(file, number, first), data, file, number, "", announces)
+            piece = _Piece(_card_name(line, first), data, line, "", announces)
             pieces.append(piece)
             continue
         label = first[1:].strip().upper()
         if piece is None or (label and label != piece.announces and (piece.announces or label in announced)):
             if not label:
-                raise _error(file, number, "a continuation without a card above it; is a line missing?")
+                raise line.error("a continuation without a card above it; is a line missing?")
             if label in orphans and not has_no_effect(piece.name if piece else ""):
-                raise _error(
-                    file,
-                    number,
-                    f"a second continuation has the label '+{label}'; give each one a different label",
-                )
+                message = f"a second continuation has the label '+{label}'; give each one a different label"
+                raise line.error(message)
             above = piece.name if piece and has_no_effect(piece.name) else ""
-            piece = orphans[label] = _Piece(above, data, file, number, label, announces)
+            piece = orphans[label] = _Piece(above, data, line, label, announces)
             continue
-        _append(piece, file, number, data)
+        _append(piece, line, data)
         piece.announces = announces
     _join(pieces, orphans)
     return _replicated(pieces)
@@ -319,24 +322,20 @@ def _join(pieces: list[_Piece], orphans: dict[str, _Piece]) -> None:
     """Attach continuation rows to their cards."""
     for piece in pieces:
         while piece.announces and (more := orphans.pop(piece.announces, None)):
-            _append(piece, more.path, more.line, more.fields)
+            _append(piece, more.at, more.fields)
             piece.announces = more.announces
     for left in orphans.values():
-        if has_no_effect(left.name):
-            continue
-        raise _error(
-            left.path,
-            left.line,
-            f"continues '+{left.label}', which no card announces; is a line missing, or its label misspelt?",
-        )
+        if not has_no_effect(left.name):
+            raise left.at.error(
+                f"continues '+{left.label}', which no card announces; is a line missing, or its label "
+                "misspelt?"
+            )
 
 
-def _append(piece: _Piece, file: Path, number: int, data: list[str]) -> None:
+def _append(piece: _Piece, line: RawLine, data: list[str]) -> None:
     if len(data) == 8 and len(piece.fields) % 8:
-        raise _error(
-            file,
-            number,
-            f"{piece.name}: small fields continue a single large line; write a row as two large lines",
+        raise line.error(
+            f"{piece.name}: small fields continue a single large line; write a row as two large lines"
         )
     piece.fields += data
 
@@ -347,15 +346,15 @@ def _replicated(pieces: list[_Piece]) -> list[BulkCard]:
     pattern: list[str] = []
     for piece in pieces:
         if piece.name[:1] != "=":
-            cards.append(BulkCard(piece.name, tuple(piece.fields), piece.path, piece.line))
+            cards.append(BulkCard(piece.name, tuple(piece.fields), *piece.at[:2]))
             continue
         if not cards:
-            raise _error(piece.path, piece.line, "'=' repeats the card above, and there is none")
+            raise piece.at.error("'=' repeats the card above, and there is none")
         repeats = _REPEATS.match(piece.name)
         if not repeats:
             pattern = piece.fields
         elif int(repeats[1]) > MOST_REPETITIONS:
-            raise _error(piece.path, piece.line, f"'{piece.name}' repeats over {MOST_REPETITIONS} times")
+            raise piece.at.error(f"'{piece.name}' repeats over {MOST_REPETITIONS} times")
         for _ in range(int(repeats[1]) if repeats else 1):
             cards.append(_repeated(cards[-1], pattern, piece))
     return cards
@@ -377,7 +376,7 @@ def _repeated(above: BulkCard, pattern: list[str], piece: _Piece) -> BulkCard:
             fields.append(_sum(old, grows[1], piece))
         else:
             fields.append(word)
-    return BulkCard(above.name, tuple(fields), piece.path, piece.line)
+    return BulkCard(above.name, tuple(fields), *piece.at[:2])
 
 
 def _sum(old: str, step: str, piece: _Piece) -> str:
@@ -390,23 +389,21 @@ def _sum(old: str, step: str, piece: _Piece) -> str:
     try:
         return repr(bulk_real(old) + bulk_real(step))
     except ValueError:
-        raise _error(
-            piece.path, piece.line, f"'*({step[:20]})' adds to '{old[:20]}'; both must be numbers"
-        ) from None
+        message = f"'*({step[:20]})' adds to '{old[:20]}'; both must be numbers"
+        raise piece.at.error(message) from None
 
 
-def _card_name(file: Path, number: int, first: str) -> str:
+def _card_name(line: RawLine, first: str) -> str:
     # meshio writes quadratic elements as CTETRA_, CHEXA_.
     name = first.rstrip("* ").removesuffix("_").upper()
     if not _CARD_NAME.match(name) and name != "=" and not _REPEATS.match(name):
-        raise _error(
-            file, number, f"'{first[:20]}' is not the name of a card; is this a Nastran bulk data file?"
-        )
+        raise line.error(f"'{first[:20]}' is not the name of a card; is this a Nastran bulk data file?")
     return name
 
 
-def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
+def _split(line: RawLine) -> tuple[str, list[str], str]:
     """First field, data fields (8, or 4 large ones) and continuation label of a line."""
+    text = line.text
     if "," in text and _is_free(text):
         words = [word.strip() for word in text.split(",")]
         if not has_no_effect(_name_of(words[0])):  # blanks separate fields as commas do
@@ -414,11 +411,9 @@ def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
         width = 4 if "*" in words[0] else 8
         if any(words[width + 2 :]) and not has_no_effect(_name_of(words[0])):
             what = "large fields" if width == 4 else "fields"
-            raise _error(
-                file,
-                number,
+            raise line.error(
                 f"{len(words)} {what}; a line has a name, {width} of them and a label: continue it on the "
-                "next line",
+                "next line"
             )
         data = words[1 : width + 1]
         last = words[width + 1] if len(words) > width + 1 else ""
@@ -484,7 +479,7 @@ def _expanded(
             text = text.expandtabs(8)
         included = _INCLUDE.match(text) if text.lstrip()[:7].upper() == "INCLUDE" else None
         if not included:
-            found.append((path, number, text))
+            found.append(RawLine(path, number, text))
             continue
         name = included[1].strip() or next(lines, (0, ""))[1].strip()
         while name[:1] in ("'", '"') and name.count(name[0]) == 1:
@@ -496,7 +491,7 @@ def _expanded(
             below = inclusions.included(path, number, target, depth + 1)
             found += _expanded(target, main, below, inclusions, depth + 1)
         else:
-            found.append((path, number, f"{_MISSING}{target}"))
+            found.append(RawLine(path, number, f"{_MISSING}{target}"))
     return found
 
 
@@ -505,17 +500,13 @@ def _present(lines: list[RawLine], inclusions: Inclusions, absent: list[BulkCard
     begin = next((i for i, (_, _, text) in enumerate(lines) if _BEGIN.match(text)), 0)
     cend = next((i for i, (_, _, text) in enumerate(lines[:begin]) if _CEND.match(text)), 0)
     kept: list[RawLine] = []
-    for place, (file, number, text) in enumerate(lines):
-        target = text.removeprefix(_MISSING)
-        if target == text:
-            kept.append((file, number, text))
+    for place, line in enumerate(lines):
+        target = line.text.removeprefix(_MISSING)
+        if target == line.text:
+            kept.append(line)
         elif place >= begin and absent is None:
-            inclusions.included(file, number, Path(target), 1)  # raises
+            inclusions.included(line.path, line.number, Path(target), 1)  # raises
         elif absent is not None and place >= cend:
             fields = (target,) if place >= begin else (target, "CASE")
-            absent.append(BulkCard("INCLUDE", fields, file, number))
+            absent.append(BulkCard("INCLUDE", fields, line.path, line.number))
     return kept
-
-
-def _error(path: Path, number: int, message: str) -> ImportFormatError:
-    return ImportFormatError(f"{path}, line {number}: {message}")
