@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from supple.arguments import checked_arguments
-from supple.arrays import IntArray
+from supple.arrays import BoolArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.file_mesh import UnusedNodes
@@ -108,7 +107,7 @@ def _blocks(
                 f"{path}: element {given[lost][1]} names a node that is not there; write it again"
             )
         ids, materials = (np.array([each[i] for each in given]) for i in (1, 2))
-        sets: dict[str, Any] = {f"material_{m}": materials == m for m in np.unique(materials).tolist()}
+        sets: dict[str, BoolArray] = {f"material_{m}": materials == m for m in np.unique(materials).tolist()}
         sets |= {label: np.isin(ids, members) for label, members in parts.items()}
         blocks.append(CellBlock(name, cells, ids, sets))
     return blocks

@@ -8,17 +8,17 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import scipy  # its parts are imported when first used
+from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
 from supple.arrays import FloatArray, IntArray
 from supple.copied_hdf5 import open_copied
 from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import CellBlock, file_mesh
-from supple.importers.file_mesh import UnusedNodes
+from supple.importers.file_mesh import FileMesh, UnusedNodes
 from supple.importers.text_file import file_content
 from supple.mesh import CellType, Mesh
 
@@ -27,6 +27,7 @@ __all__ = ["EXODUS_SUFFIXES", "read_exodus"]
 EXODUS_SUFFIXES = (".exo", ".e", ".ex2", ".g")
 """Suffixes of Exodus files."""
 
+_Parts = Mapping[str, tuple[NDArray, str]]
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _NAMES = {
     "BAR": "line", "BEAM": "line", "TRUSS": "line", "EDGE": "line", "TRI": "triangle", "TRIANGLE": "triangle",
@@ -77,7 +78,7 @@ def read_exodus(
         ) from error
 
 
-def _parts(path: Path) -> Mapping[str, tuple[Any, str]]:
+def _parts(path: Path) -> _Parts:
     """Values and element type of each variable; the type is empty if the file gives none."""
     content = file_content(path)
     if content.startswith(_HDF5):
@@ -97,11 +98,11 @@ def _parts(path: Path) -> Mapping[str, tuple[Any, str]]:
         }
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     return value.decode("latin-1").strip("\0 ") if isinstance(value, bytes) else str(value).strip("\0 ")
 
 
-def _file_mesh(path: Path, parts: Mapping[str, tuple[Any, str]]) -> Any:
+def _file_mesh(path: Path, parts: _Parts) -> FileMesh:
     nodes = _coordinates(parts)
     blocks, shapes = [], []
     flat = len(parts["coord"][0]) < 3 if "coord" in parts else "coordz" not in parts
@@ -145,7 +146,7 @@ def _file_mesh(path: Path, parts: Mapping[str, tuple[Any, str]]) -> Any:
     return file_mesh(path, nodes, blocks, {k: v for k, v in sets.items() if v.size}, node_ids)
 
 
-def _coordinates(parts: Mapping[str, tuple[Any, str]]) -> FloatArray:
+def _coordinates(parts: _Parts) -> FloatArray:
     if "coord" in parts:
         rows = np.asarray(parts["coord"][0], dtype=np.float64)
     else:
@@ -157,18 +158,18 @@ def _coordinates(parts: Mapping[str, tuple[Any, str]]) -> FloatArray:
     return flat
 
 
-def _numbered(parts: Mapping[str, Any], prefix: str) -> list[str]:
+def _numbered(parts: _Parts, prefix: str) -> list[str]:
     """Variables PREFIX1, PREFIX2, .. in their order."""
     found = [name for name in parts if name.startswith(prefix) and name[len(prefix) :].isdigit()]
     return sorted(found, key=lambda name: int(name[len(prefix) :]))
 
 
-def _values(parts: Mapping[str, tuple[Any, str]], name: str, else_: IntArray) -> IntArray:
+def _values(parts: _Parts, name: str, else_: IntArray) -> IntArray:
     found = np.asarray(parts[name][0], dtype=np.int64) if name in parts else else_
     return found if len(np.unique(found)) == len(else_) else else_
 
 
-def _named(parts: Mapping[str, tuple[Any, str]], prefix: str, kind: str, word: str) -> list[tuple[str, str]]:
+def _named(parts: _Parts, prefix: str, kind: str, word: str) -> list[tuple[str, str]]:
     """Variables PREFIX1, PREFIX2, .. with the names of their blocks or sets, or their ids if without names.
 
     Empty blocks and sets have a number, id and name, but no variable. Repeated names get a number.

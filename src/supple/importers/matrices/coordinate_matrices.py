@@ -12,10 +12,11 @@ from supple.importers.matrices.labelled_matrix import (
     LabelledMatrix,
     from_entries,
     from_labelled_entries,
+    number_table,
     printed_resolution,
 )
 from supple.importers.node_table import NodeTable
-from supple.importers.plain_number import is_plain, is_plain_digits
+from supple.importers.plain_number import is_plain_digits
 from supple.importers.text_file import file_lines
 
 _LARGEST_WHOLE = 2.0**53
@@ -109,18 +110,9 @@ def _table(path: Path, width: int, form: str, delimiter: str | None) -> tuple[Fl
     """Numbers (k, width) of all lines but comments, and the resolution of the last column."""
     lines = _lines(path)
     rows = [_words(text, delimiter) for _, text in lines]
-    try:
-        if not all(is_plain(text) for _, text in lines):
-            raise ValueError(path)
-        table = np.array(rows, dtype=np.float64)
-    except ValueError:
-        table = np.empty((0, 0))
-    if table.ndim != 2 or table.shape[1] != width:
-        number, text = next(
-            line
-            for line, row in zip(lines, rows, strict=True)
-            if not (is_plain(line[1]) and _is_row(row, width))
-        )
+    table = number_table(lines, rows, width)
+    if isinstance(table, tuple):
+        number, text = table
         raise ImportFormatError(
             f"{path}, line {number}: '{text.strip()[:60]}' is not {form}; is the file cut short, or of "
             "another format?"
@@ -131,13 +123,6 @@ def _table(path: Path, width: int, form: str, delimiter: str | None) -> tuple[Fl
 def _words(text: str, delimiter: str | None) -> list[str]:
     """Words separated by a delimiter; None: by commas and blanks."""
     return text.replace(",", " ").split() if delimiter is None else [w.strip() for w in text.split(delimiter)]
-
-
-def _is_row(row: list[str], width: int) -> bool:
-    try:
-        return len([float(word) for word in row]) == width
-    except ValueError:
-        return False
 
 
 def _whole(path: Path, values: FloatArray, what: str) -> IntArray:

@@ -11,6 +11,7 @@ from supple.importers.matrices.labelled_matrix import (
     SINGLE_PRECISION,
     LabelledMatrix,
     MatrixRole,
+    chosen_name,
     from_labelled_entries,
     printed_resolution,
 )
@@ -33,7 +34,8 @@ def read_dmig(path: str | Path, role: MatrixRole, *, name: str | None = None) ->
                         entries that are repeated or not numbers
     """
     file = read_bulk_data(path)
-    chosen = _chosen_name(file, role, name)
+    names = dict.fromkeys(card.word(0) for card in file.named("DMIG"))
+    chosen = chosen_name(file.path, names, role, name, one="DMIG", several="DMIG")
     cards = [card for card in file.named("DMIG") if card.word(0) == chosen]
     headers = [card for card in cards if card.word(1) == "0"]
     if len(headers) != 1:
@@ -45,22 +47,6 @@ def read_dmig(path: str | Path, role: MatrixRole, *, name: str | None = None) ->
     is_single = headers[0].integer(3, "the type TIN") == _REAL_SINGLE
     entries = [card for card in cards if card.word(1) != "0"]
     return _entries(file, headers[0], entries, SINGLE_PRECISION if is_single else 0.0)
-
-
-def _chosen_name(file: BulkFile, role: MatrixRole, name: str | None) -> str:
-    names = list(dict.fromkeys(card.word(0) for card in file.named("DMIG")))
-    listed = ", ".join(names) or "none"
-    if name is not None:
-        if name.upper() not in names:
-            raise ImportFormatError(f"{file.path}: no DMIG '{name}'; the file has {listed}")
-        return name.upper()
-    fitting = [known for known in names if known.startswith(role.letter)]
-    if len(fitting) != 1:
-        raise ImportFormatError(
-            f"{file.path}: {len(fitting)} DMIG whose name begins with {role.letter}, for the {role.label}; "
-            f"name the one to take; the file has {listed}"
-        )
-    return fitting[0]
 
 
 def _check_header(card: BulkCard, name: str) -> None:

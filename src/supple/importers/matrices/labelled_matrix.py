@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from pathlib import Path
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 
 from supple.arrays import FloatArray, IntArray
 from supple.errors import ImportFormatError
+from supple.importers.plain_number import is_plain
 
 __all__ = ["LabelledMatrix", "MatrixRole", "freedom_name"]
 
@@ -108,6 +111,28 @@ def freedom_name(node: int, component: int) -> str:
     return f"node {node} {COMPONENT_NAMES[component]}" if component else f"modal coordinate {node}"
 
 
+def chosen_name(
+    path: Path, names: Iterable[str], role: MatrixRole, name: str | None, *, one: str, several: str
+) -> str:
+    """The given name, or the only name that begins with the letter of a role; all in upper case.
+
+    one, several : words for the matrices of a file in messages
+    """
+    known = [each.upper() for each in names]
+    listed = ", ".join(known) or "none"
+    if name is not None:
+        if name.upper() not in known:
+            raise ImportFormatError(f"{path}: no {one} '{name}'; the file has {listed}")
+        return name.upper()
+    fitting = [each for each in known if each.startswith(role.letter)]
+    if len(fitting) != 1:
+        raise ImportFormatError(
+            f"{path}: {len(fitting)} {several} whose name begins with {role.letter}, for the {role.label}; "
+            f"name the one to take; the file has {listed}"
+        )
+    return fitting[0]
+
+
 def from_labelled_entries(
     source: str, rows: IntArray, columns: IntArray, values: FloatArray, resolution: float
 ) -> LabelledMatrix:
@@ -149,6 +174,28 @@ def from_entries(
         row, column = np.concatenate([row, column[off]]), np.concatenate([column, row[off]])
         values = np.concatenate([values, values[off]])
     return csc_array(coo_array((values, (row, column)), shape=(n, n)))
+
+
+def number_table(
+    lines: Sequence[tuple[int, str]], rows: Sequence[Sequence[str]], width: int
+) -> FloatArray | tuple[int, str]:
+    """The words of lines as numbers (k, width); or the first line, with its number, of other words.
+
+    rows : the words of each line
+    """
+
+    def is_row(text: str, row: Sequence[str]) -> bool:
+        try:
+            return is_plain(text) and len([float(word) for word in row]) == width
+        except ValueError:
+            return False
+
+    try:
+        if all(is_plain(text) for _, text in lines):
+            return np.array(rows, dtype=np.float64).reshape(len(rows), width)
+    except ValueError:
+        pass
+    return next(line for line, row in zip(lines, rows, strict=True) if not is_row(line[1], row))
 
 
 def printed_resolution(word: str) -> float:

@@ -10,6 +10,7 @@ from scipy.sparse import coo_array, csc_array
 
 from supple.arrays import FloatArray, IntArray
 from supple.errors import ImportFormatError
+from supple.importers.matrices.labelled_matrix import number_table
 from supple.importers.plain_number import plain_integer
 from supple.importers.text_file import file_lines
 
@@ -57,11 +58,15 @@ def read_matrix(path: str | Path) -> csc_array:
     path = Path(path)
     lines = file_lines(path, "write it again as text, coordinate real")
     header = _header(path, lines)
-    width = 3 if header.is_sparse else 1
-    numbers = _numbers(header, lines, width)
+    below = [
+        (number, line)
+        for number, line in enumerate(lines[header.line :], start=header.line + 1)
+        if line.strip() and not line.startswith("%")
+    ]
+    numbers = _numbers(header, below, 3 if header.is_sparse else 1)
     if header.is_sparse:
-        row, column, values = numbers[:, 0], numbers[:, 1], numbers[:, 2]
-        row, column = _places(header, lines, row, header.rows), _places(header, lines, column, header.columns)
+        row, column, values = numbers.T
+        row, column = _places(header, below, row, header.rows), _places(header, below, column, header.columns)
     else:
         row, column = _places_of_array(header)
         values = numbers[:, 0]
@@ -126,46 +131,26 @@ def _stored(rows: int, columns: int, symmetry: str) -> int:
     return rows * (rows + 1 if symmetry == "symmetric" else rows - 1) // 2
 
 
-def _numbers(header: _Header, lines: list[str], width: int) -> FloatArray:
+def _numbers(header: _Header, below: list[tuple[int, str]], width: int) -> FloatArray:
     """All numbers (entries, width) in the lines below the size; the number of lines is checked first."""
-    below = [line for line in lines[header.line :] if line.strip() and not line.startswith("%")]
     if len(below) != header.entries:
         raise header.error(
             f"{header.entries} entries are stated, but {len(below)} lines follow; is the file cut short?"
         )
-    rows = [line.split() for line in below]
-    try:
-        if not all(line.isascii() and "_" not in line for line in below):
-            raise ValueError(header.path)
-        return np.array(rows, dtype=np.float64).reshape(header.entries, width)
-    except ValueError:
-        at, text = next(
-            (at, text)
-            for at, text in enumerate(lines[header.line :], start=header.line + 1)
-            if text.strip() and not text.startswith("%") and not _is_entry(text, width)
-        )
+    table = number_table(below, [line.split() for _, line in below], width)
+    if isinstance(table, tuple):
+        at, text = table
         wanted = "row, column, value" if width == 3 else "one value"
-        raise header.error(f"'{text.strip()[:60]}' is not {wanted}", at) from None
+        raise header.error(f"'{text.strip()[:60]}' is not {wanted}", at)
+    return table
 
 
-def _is_entry(text: str, width: int) -> bool:
-    try:
-        return text.isascii() and "_" not in text and len([float(word) for word in text.split()]) == width
-    except ValueError:
-        return False
-
-
-def _places(header: _Header, lines: list[str], given: FloatArray, n: int) -> IntArray:
+def _places(header: _Header, below: list[tuple[int, str]], given: FloatArray, n: int) -> IntArray:
     """Row or column indices from 0, for numbers in the file that count from 1."""
     # Written so that NaN counts as outside, too.
     outside = np.flatnonzero(~((given >= 1) & (given <= n) & (given == np.round(given))))
     if outside.size:
-        below = [
-            at
-            for at, text in enumerate(lines[header.line :], start=header.line + 1)
-            if text.strip() and not text.startswith("%")
-        ]
-        raise header.error(f"{given[outside[0]]:g} is no row or column of {n}", below[outside[0]])
+        raise header.error(f"{given[outside[0]]:g} is no row or column of {n}", below[outside[0]][0])
     return given.astype(np.int64) - 1
 
 

@@ -6,14 +6,18 @@ import re
 import struct
 import warnings
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array
 
 from supple.arrays import IntArray
 from supple.errors import ImportFormatError
-from supple.importers.matrices.labelled_matrix import SINGLE_PRECISION, LabelledMatrix, MatrixRole
+from supple.importers.matrices.labelled_matrix import (
+    SINGLE_PRECISION,
+    LabelledMatrix,
+    MatrixRole,
+    chosen_name,
+)
 from supple.importers.node_table import NodeTable
 from supple.importers.text_file import file_content
 
@@ -43,9 +47,7 @@ def read_output4(
                         entries; a number of rows that fits neither set
     """
     path = Path(path)
-    matrices = _load(path)
-    chosen = _chosen_name(path, list(matrices), role, name)
-    source, matrix, kind = _real(path, chosen, matrices)
+    source, matrix, kind = _chosen(path, role, name)
     freedoms = _row_freedoms(source, matrix.shape[0], nodes)
     if matrix.shape[1] != matrix.shape[0]:  # before arrays of that size are made
         raise ImportFormatError(
@@ -54,16 +56,17 @@ def read_output4(
     return LabelledMatrix(source, csc_array(matrix, dtype=np.float64), freedoms, _resolution(path, kind))
 
 
-def named_matrix(path: Path, name: str) -> tuple[str, Any]:
-    """Label of a matrix for messages, and the sparse matrix (m, n); reading errors of `read_output4`."""
+def named_matrix(path: Path, name: str) -> tuple[str, csc_array]:
+    """Label of a matrix for messages, and the matrix (m, n); reading errors of `read_output4`."""
+    return _chosen(path, MatrixRole.STIFFNESS, name)[:2]
+
+
+def _chosen(path: Path, role: MatrixRole, name: str | None) -> tuple[str, csc_array, int]:
+    """Label for messages, matrix and type of the matrix of that name, or of the role."""
     matrices = _load(path)
-    source, matrix, _ = _real(path, _chosen_name(path, list(matrices), MatrixRole.STIFFNESS, name), matrices)
-    return source, matrix
-
-
-def _real(path: Path, chosen: str, matrices: dict[str, tuple[Any, int]]) -> tuple[str, Any, int]:
+    chosen = chosen_name(path, matrices, role, name, one="matrix", several="matrices")
     matrix, kind = matrices[chosen]
-    source = f"{path}, matrix {chosen.upper()}"
+    source = f"{path}, matrix {chosen}"
     if np.iscomplexobj(matrix.data):
         raise ImportFormatError(
             f"{source}: complex entries; stiffness and mass are real, so export them as real"
@@ -71,8 +74,8 @@ def _real(path: Path, chosen: str, matrices: dict[str, tuple[Any, int]]) -> tupl
     return source, matrix, kind
 
 
-def _load(path: Path) -> dict[str, tuple[Any, int]]:
-    """Matrices of a file with their types, by name."""
+def _load(path: Path) -> dict[str, tuple[csc_array, int]]:
+    """Matrices of a file with their types, by name in upper case."""
     try:
         from pyyeti.nastran import op2, op4
     except ImportError as error:
@@ -81,33 +84,29 @@ def _load(path: Path) -> dict[str, tuple[Any, int]]:
             "'supple[nastran]', or punch the matrices as DMIG"
         ) from error
     content = file_content(path)
-    if path.suffix.lower() == ".op2":
-        try:
-            found = op2.rdmats(str(path))
-        except Exception as error:  # as below
-            raise ImportFormatError(
-                f"{path}: not readable as OUTPUT2 ({type(error).__name__}: {error}); is it cut short? Write "
-                "it again"
-            ) from error
-        return {key.lower(): (csc_array(value), 0) for key, value in found.items()}
-    if content[:4] in _HEADERS:
+    form = "OUTPUT2" if path.suffix.lower() == ".op2" else "OUTPUT4"
+    if form == "OUTPUT4" and content[:4] in _HEADERS:
         _check_records(path, content)
-    elif not content.isascii() or b"_" in b"".join(content.split(b"\n")[1:]):
+    elif form == "OUTPUT4" and (not content.isascii() or b"_" in b"".join(content.split(b"\n")[1:])):
         raise ImportFormatError(
             f"{path}: characters that are part of no number; is it OUTPUT4, and complete? Write it again"
         )
     try:
+        if form == "OUTPUT2":
+            return {key.upper(): (csc_array(each), 0) for key, each in op2.rdmats(str(path)).items()}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             names, matrices, _, kinds = op4.read(str(path), into="list", sparse=True)
     except Exception as error:  # the library raises any error on a damaged file
         raise ImportFormatError(
-            f"{path}: not readable as OUTPUT4 ({type(error).__name__}: {error}); is it cut short? Write it "
+            f"{path}: not readable as {form} ({type(error).__name__}: {error}); is it cut short? Write it "
             "again"
         ) from error
     if not names:
         raise ImportFormatError(f"{path}: no matrix in this file; is it OUTPUT4, and complete?")
-    return dict(zip(names, zip(matrices, kinds, strict=True), strict=True))
+    return {
+        name.upper(): (csc_array(each), kind) for name, each, kind in zip(names, matrices, kinds, strict=True)
+    }
 
 
 def _check_records(path: Path, content: bytes) -> None:
@@ -149,21 +148,6 @@ def _resolution(path: Path, kind: int) -> float:
         printed = _TEXT_FORMAT.search(file.readline(200))
     digits = 0.0 if printed is None else 5.0 * 10.0 ** -(int(printed[1]) + 1)
     return max(digits, SINGLE_PRECISION if kind == _REAL_SINGLE else float(np.finfo(float).eps))
-
-
-def _chosen_name(path: Path, names: list[str], role: MatrixRole, name: str | None) -> str:
-    listed = ", ".join(known.upper() for known in names)
-    if name is not None:
-        if name.lower() not in names:
-            raise ImportFormatError(f"{path}: no matrix '{name}'; the file has {listed}")
-        return name.lower()
-    fitting = [known for known in names if known.upper().startswith(role.letter)]
-    if len(fitting) != 1:
-        raise ImportFormatError(
-            f"{path}: {len(fitting)} matrices whose name begins with {role.letter}, for the {role.label}; "
-            f"name the one to take; the file has {listed}"
-        )
-    return fitting[0]
 
 
 def _row_freedoms(source: str, n: int, nodes: NodeTable) -> IntArray:

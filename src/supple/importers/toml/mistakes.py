@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails
 
 from supple.importers.toml.checked_table import CheckedTable
 from supple.importers.toml.line_index import KeyPath, LineIndex
-from supple.importers.toml.raw_tables import nearest_hint
+from supple.importers.toml.raw_tables import Raw, nearest_hint
 
 __all__ = ["NUMBERS_OR_ROWS", "UNKNOWN_KEY", "WORD_OR_TABLE", "checked", "listed_mistakes"]
 
@@ -32,7 +32,7 @@ _Root = TypeVar("_Root", bound=CheckedTable)
 
 
 def checked(
-    root: type[_Root], raw: Mapping[str, Any], mistakes: Sequence[tuple[KeyPath, str]]
+    root: type[_Root], raw: Raw, mistakes: Sequence[tuple[KeyPath, str]]
 ) -> tuple[_Root | None, Sequence[tuple[KeyPath, str]]]:
     """The file checked by its schema, or None if it does not fit; and all mistakes.
 
@@ -131,7 +131,7 @@ def _wrong_choice(place: KeyPath, item: ErrorDetails, schema: _Schema) -> tuple[
     )
 
 
-def _shown(seen: Any) -> str:
+def _shown(seen: object) -> str:
     """A value as in the file, shortened if long."""
     shortened = reprlib.Repr()
     shortened.maxstring = shortened.maxother = shortened.maxlong = 80

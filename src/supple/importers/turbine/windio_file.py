@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Self, TypeAlias
 
 import numpy as np
 import scipy  # its parts are imported when first used
@@ -15,11 +15,14 @@ from supple.errors import ImportFormatError
 from supple.importers.plain_number import number_of_word
 from supple.importers.text_file import file_text
 
+Tree: TypeAlias = "str | list[Tree] | dict[str, Tree]"
+"""Entries of a YAML file, with words as text."""
+
 # The compiled parser, if installed, reads the same words ten times as fast.
-_LOADER: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
+_LOADER: type[yaml.BaseLoader] = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
 
 
-def _parsed(path: Path) -> Any:
+def _parsed(path: Path) -> Tree:
     text = file_text(path, "save it as YAML")
     try:
         # Scalars stay text: YAML 1.1 would convert 1_000, 1:30 and 010 to other numbers.
@@ -37,14 +40,14 @@ class WindioFile:
     """A windIO file, or an entry of one."""
 
     path: Path
-    tree: Any
+    tree: Tree
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
         """The file; ImportFormatError if it is missing or no YAML."""
         return cls(Path(path), _parsed(Path(path)))
 
-    def entry(self, *keys: str) -> Any:
+    def entry(self, *keys: str) -> Tree:
         """The value under nested keys; ImportFormatError without one."""
         value = self.tree
         for depth, key in enumerate(keys):
@@ -62,7 +65,7 @@ class WindioFile:
         above = self.entry(*keys[:-1])
         return isinstance(above, dict) and keys[-1] in above
 
-    def listed(self, *keys: str) -> list[Any]:
+    def listed(self, *keys: str) -> list[Tree]:
         """The list under nested keys; ImportFormatError for another value."""
         found = self.entry(*keys)
         if not isinstance(found, list):
@@ -110,11 +113,12 @@ class WindioFile:
                 f"{self.path}: no curve runs through {what} ({error}); check the size of its numbers"
             ) from error
 
-    def as_numbers(self, values: Any, what: str) -> FloatArray:
+    def as_numbers(self, values: Tree, what: str) -> FloatArray:
         """Numbers (n,) of a word or a list of words; ImportFormatError for other entries."""
         try:
-            words = values if isinstance(values, list) else [values]
-            if not all(isinstance(word, str) for word in words):
+            listed = values if isinstance(values, list) else [values]
+            words = [word for word in listed if isinstance(word, str)]
+            if len(words) < len(listed):
                 raise ValueError(what)
             return np.array([number_of_word(word) for word in words])
         except ValueError as error:
