@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from supple import cases
+from supple.cli.shown_case import shown_case
 from supple.errors import ArgumentError, CaseError
 from supple.results.mode_tables import mode_tables, speed_tables
-from supple.terminal import ProgressBars, print_table, progress_bars, say
+from supple.terminal import print_table, say
 
 
 def modes_case(
@@ -27,12 +28,8 @@ def modes_case(
             "remove one of them"
         )
     speeds = None if rates is None else _speeds(rates)
-    bars = progress_bars()
-    steps = ProgressBars(bars)
-    case = cases.read_case(path, steps.show)
-    say(case.title, "bold")
-    if speeds is None:
-        with bars:
+    with shown_case(path) as (case, progress):
+        if speeds is None:
             _, numbers = cases.modes_case(
                 case,
                 folder,
@@ -40,13 +37,10 @@ def modes_case(
                 time=time,
                 errors=errors,
                 allow_code=allow_code,
-                progress=steps.share,
+                progress=progress,
             )
-            steps.finish()
-        for table in mode_tables(numbers):
-            print_table(*table)
-    else:
-        with bars:
+            tables = mode_tables(numbers)
+        else:
             diagram = cases.campbell_case(
                 case,
                 folder,
@@ -54,11 +48,11 @@ def modes_case(
                 n_modes=n_modes,
                 errors=errors,
                 allow_code=allow_code,
-                progress=steps.share,
+                progress=progress,
             )
-            steps.finish()
-        for table in speed_tables(diagram, case.units):
-            print_table(*table)
+            tables = speed_tables(diagram, case.units)
+    for table in tables:
+        print_table(*table)
     say(f"Results are in {folder}/")
 
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import signal
 from pathlib import Path
-
-import typer
 
 from supple import cases
 from supple.cases.existing_results import stored_so_far
+from supple.cli.shown_case import shown_case, stated_interruption
 from supple.error import SelfCorrectionError, correction_numbers
 from supple.results.explicit_numbers import explicit_cost_line
 from supple.results.run_start import start_lines
@@ -19,73 +17,41 @@ from supple.results.run_tables import (
     error_table,
     motion_tables,
 )
-from supple.simulation.interruption import INTERRUPTIONS, Terminated, raising_terminated
-from supple.terminal import ProgressBars, error_console, print_table, progress_bars, say, words
+from supple.terminal import print_table, say
 
 
 def run_case(
-    path: Path,
-    folder: Path,
-    *,
-    resume: bool = False,
-    force: bool = False,
-    strict: bool = False,
-    errors: bool = True,
-    allow_code: bool = False,
+    path: Path, folder: Path, *, resume: bool, force: bool, strict: bool, errors: bool, allow_code: bool
 ) -> None:
     """Run the case file at `path` and print its tables; parameters and exceptions as for `cases.run_case`.
 
-    If interrupted by Ctrl-C (SIGINT) or the system (SIGTERM), print what is stored, and exit with 130 or 143.
+    If interrupted, print what is stored.
     """
-    with raising_terminated():
-        try:
-            _run(
-                path,
-                folder,
-                resume=resume,
-                force=force,
-                strict=strict,
-                errors=errors,
-                allow_code=allow_code,
-            )
-        except INTERRUPTIONS as error:
-            kept = "; ".join(getattr(error, "__notes__", [])) or stored_so_far(path, folder)
-            error_console.print(words("stopped: ", "bold red") + words(kept), soft_wrap=True)
-            number = signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT
-            raise typer.Exit(128 + number) from error
+
+    def kept(error: BaseException) -> str:
+        return "; ".join(getattr(error, "__notes__", [])) or stored_so_far(path, folder)
+
+    with stated_interruption(kept):
+        with shown_case(path) as (case, progress):
+            try:
+                result = cases.run_case(
+                    case,
+                    folder,
+                    resume=resume,
+                    force=force,
+                    strict=strict,
+                    errors=errors,
+                    allow_code=allow_code,
+                    progress=progress,
+                )
+            except SelfCorrectionError as error:
+                if error.rounds:
+                    print_table(*correction_table(correction_numbers(error.rounds), case.units))
+                raise
+        _print(result, case, folder)
 
 
-def _run(
-    path: Path,
-    folder: Path,
-    *,
-    resume: bool,
-    force: bool,
-    strict: bool,
-    errors: bool,
-    allow_code: bool,
-) -> None:
-    bars = progress_bars()
-    steps = ProgressBars(bars)
-    case = cases.read_case(path, steps.show)
-    say(case.title, "bold")
-    with bars:
-        try:
-            result = cases.run_case(
-                case,
-                folder,
-                resume=resume,
-                force=force,
-                strict=strict,
-                errors=errors,
-                allow_code=allow_code,
-                progress=steps.share,
-            )
-        except SelfCorrectionError as error:
-            if error.rounds:
-                print_table(*correction_table(correction_numbers(error.rounds), case.units))
-            raise
-        steps.finish()
+def _print(result: cases.CaseResult, case: cases.Case, folder: Path) -> None:
     numbers = result.numbers
     if result.rounds:
         print_table(*correction_table(result.rounds, case.units))

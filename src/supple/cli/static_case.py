@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple import cases
+from supple.cli.shown_case import shown_case
 from supple.reduction import ReducedBody
 from supple.results.rest_tables import rest_error_table, rest_tables
-from supple.terminal import ProgressBars, print_table, progress_bars, say
+from supple.terminal import print_table, say
 
 _STABILITY = {True: "Stable", False: "Unstable", None: "An"}
 """First word of the printed line, by the stability of the equilibrium; None: unknown stability."""
@@ -15,15 +16,10 @@ _STABILITY = {True: "Stable", False: "Unstable", None: "An"}
 
 def static_case(path: Path, folder: Path, *, time: float, errors: bool, allow_code: bool) -> None:
     """Print the equilibrium of the case at `path`; parameters and errors as for `cases.static_case`."""
-    bars = progress_bars()
-    steps = ProgressBars(bars)
-    case = cases.read_case(path, steps.show)
-    say(case.title, "bold")
-    with bars:
+    with shown_case(path) as (case, progress):
         result = cases.static_case(
-            case, folder, time=time, errors=errors, allow_code=allow_code, progress=steps.share
+            case, folder, time=time, errors=errors, allow_code=allow_code, progress=progress
         )
-        steps.finish()
     numbers = result.numbers
     for table in rest_tables(numbers):
         print_table(*table)

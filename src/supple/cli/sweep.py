@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import signal
 from pathlib import Path
 
 import typer
 
+from supple.cli.shown_case import stated_interruption
 from supple.errors import ArgumentError
-from supple.simulation.interruption import INTERRUPTIONS, Terminated, raising_terminated
 from supple.sweeps import (
     Cluster,
     Executors,
@@ -25,7 +24,7 @@ from supple.sweeps import (
 )
 from supple.sweeps.part_file import CaseStatus
 from supple.sweeps.plan import read_plan
-from supple.terminal import bar, error_console, print_table, progress_bars, say, words
+from supple.terminal import bar, print_table, progress_bars, say
 
 __all__ = ["chosen_executors", "print_status", "sweep_cases", "write_pages"]
 
@@ -76,17 +75,9 @@ def sweep_cases(
 
     If interrupted by Ctrl-C (SIGINT) or the system (SIGTERM), print what is done, and exit with 130 or 143.
     """
-    with raising_terminated():
-        try:
-            status = _run(path, folder, executors, share, force=force, allow_code=allow_code)
-        except INTERRUPTIONS as error:
-            error_console.print(
-                words("stopped: ", "bold red")
-                + words(f"{folder} has the finished cases; the same command{_BUT[force]} runs the rest"),
-                soft_wrap=True,
-            )
-            number = signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT
-            raise typer.Exit(128 + number) from error
+    rest = f"{folder} has the finished cases; the same command{_BUT[force]} runs the rest"
+    with stated_interruption(lambda _: rest):
+        status = _run(path, folder, executors, share, force=force, allow_code=allow_code)
     if not status.missing:
         write_sweep_report(folder)
     _print(status, folder)
