@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from importlib import import_module
 from pathlib import Path
 
 from supple.errors import ArgumentError
@@ -13,7 +14,22 @@ __all__ = ["ExportOptions", "export"]
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """The options of the command, with their defaults."""
+    """The options of the command, with their defaults.
+
+    body : names of bodies; by default all, or the only one that can be written
+    time : of the loads, of the state of a mode, or of a .vtu; by default the end of the run, for a mode 0
+    mode : number from 1, in order of frequency
+    times : FROM:TO:NUMBER, evenly spaced output times of a result; by default all
+    stress : whether files of runs for ParaView contain stress
+    case : present path of the case file of a result, as in `result_machine`
+    abaqus : write for Abaqus instead of CalculiX
+    superelement : write the reduced body in a deck
+    inputs : names of joints, springs and elements whose laws become inputs
+    fmi : version of FMI, 2 or 3; by default 3
+    platforms : operating systems of the libraries of an FMU; by default this computer's
+    linear : export the machine linearised about its equilibrium, as matrices
+    allow_code : whether the controllers of the case may run
+    """
 
     body: Sequence[str] | None = None
     time: float | None = None
@@ -44,11 +60,11 @@ def _flag(name: str) -> str:
 
 @dataclass(frozen=True)
 class _Target:
-    """A kind of output: description, its options, and its writer."""
+    """A kind of output: description, its options, and its writer as `module:function`, loaded on use."""
 
     words: str
     options: tuple[str, ...]
-    write: Callable[[Path, Path, ExportOptions], None]
+    writer: str
 
     def check(self, options: ExportOptions) -> None:
         """Raise ArgumentError for options that do not apply to this output."""
@@ -77,7 +93,8 @@ def export(path: Path, output: Path | None, c: Path | None, options: ExportOptio
     target.check(options)
     goal = output or c
     assert goal is not None
-    target.write(path, goal, options)
+    module, _, function = target.writer.partition(":")
+    getattr(import_module(f"supple.cli.{module}"), function)(path, goal, options)
 
 
 def _target(path: Path, output: Path | None, options: ExportOptions) -> _Target:
@@ -89,82 +106,27 @@ def _target(path: Path, output: Path | None, options: ExportOptions) -> _Target:
     of_result = () if is_case else ("case",)
     if options.superelement and suffix != ".inp":
         raise ArgumentError("--superelement is for a deck (.inp); other suffixes determine their format")
-    deck = ("superelement", "body", "abaqus")
+    machine = ("inputs", "allow_code", *of_result)
+    fmu = ("linear", "fmi", "platforms", *machine)
+    body, result = "export_superelement:export_superelement", "export_result:export_result"
     rows = (
-        (output is None, _Target("a machine as C", ("inputs", "allow_code", *of_result), _c)),
+        (output is None, _Target("a machine as C", machine, "export_machine:export_c")),
+        (suffix == ".fmu", _Target("an FMU", fmu, "export_machine:export_fmu")),
+        (options.mode is not None, _Target("a mode", ("mode", "body", "time"), "export_mode:export_mode")),
         (
-            suffix == ".fmu",
-            _Target("an FMU", ("inputs", "linear", "fmi", "platforms", "allow_code", *of_result), _fmu),
+            options.superelement,
+            _Target("a deck with a superelement", ("superelement", "body", "abaqus"), body),
         ),
-        (options.mode is not None, _Target("a mode", ("mode", "body", "time"), _mode)),
-        (options.superelement, _Target("a deck with a superelement", deck, _superelement)),
-        (suffix in SUPERELEMENT_SUFFIXES, _Target("a superelement", ("body",), _superelement)),
-        (is_case, _Target("the deck of a case's body", ("body", "time", "abaqus"), _deck)),
-        (suffix == ".vtu", _Target("a .vtu, which contains one time", (*_PICTURE, "time"), _result)),
-        (suffix in TABLE_SUFFIXES, _Target("a table of the whole machine", ("times", "case"), _result)),
-        (True, _Target("a file for ParaView", (*_PICTURE, "times"), _result)),
+        (suffix in SUPERELEMENT_SUFFIXES, _Target("a superelement", ("body",), body)),
+        (
+            is_case,
+            _Target("the deck of a case's body", ("body", "time", "abaqus"), "export_case:export_case"),
+        ),
+        (suffix == ".vtu", _Target("a .vtu, which contains one time", (*_PICTURE, "time"), result)),
+        (suffix in TABLE_SUFFIXES, _Target("a table of the whole machine", ("times", "case"), result)),
+        (True, _Target("a file for ParaView", (*_PICTURE, "times"), result)),
     )
     return next(target for applies, target in rows if applies)
 
 
 _PICTURE = ("body", "stress", "case")
-
-
-def _c(path: Path, folder: Path, options: ExportOptions) -> None:
-    from supple.cli.export_machine import export_c
-
-    export_c(path, folder, options.inputs or (), case_file=options.case, allow_code=options.allow_code)
-
-
-def _fmu(path: Path, target: Path, options: ExportOptions) -> None:
-    from supple.cli.export_machine import export_fmu
-
-    export_fmu(
-        path,
-        target,
-        options.inputs or (),
-        fmi=options.fmi or 3,
-        platforms=options.platforms or (),
-        linear=options.linear,
-        case_file=options.case,
-        allow_code=options.allow_code,
-    )
-
-
-def _mode(path: Path, target: Path, options: ExportOptions) -> None:
-    from supple.cli.export_mode import export_mode
-
-    assert options.mode is not None
-    export_mode(path, target, options.mode, bodies=options.body, time=options.time or 0.0)
-
-
-def _superelement(path: Path, target: Path, options: ExportOptions) -> None:
-    from supple.cli.export_superelement import export_superelement
-
-    export_superelement(path, target, body=options.body, abaqus=options.abaqus)
-
-
-def _deck(path: Path, target: Path, options: ExportOptions) -> None:
-    from supple.cli.export_case import export_case
-    from supple.export import TABLE_SUFFIXES
-
-    if target.suffix.lower() in (".vtu", ".vtkhdf", *TABLE_SUFFIXES):
-        raise ArgumentError(
-            f"cannot write {target} from a case: tables and pictures of a run are written from its result "
-            "(.h5). Run the case, then export the result"
-        )
-    export_case(path, target, body=options.body, time=options.time, abaqus=options.abaqus)
-
-
-def _result(path: Path, target: Path, options: ExportOptions) -> None:
-    from supple.cli.export_result import export_result
-
-    export_result(
-        path,
-        target,
-        bodies=options.body,
-        time=options.time,
-        times=options.times,
-        stress=options.stress,
-        case_file=options.case,
-    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,47 +13,50 @@ from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
 from supple.cases.static_case import assembled_system
 from supple.cli.chosen_body import chosen_body
-from supple.errors import CaseError
-from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
+from supple.cli.export import ExportOptions
+from supple.errors import ArgumentError, CaseError
+from supple.export import ABAQUS, CALCULIX, TABLE_SUFFIXES, resultant, static_load, write_static_deck
 from supple.terminal import print_rows, say, shown_step
 from supple.units import headed, with_unit
 
 
-def export_case(
-    path: Path, target: Path, *, body: Sequence[str] | None, time: float | None, abaqus: bool
-) -> None:
+def export_case(path: Path, target: Path, options: ExportOptions) -> None:
     """Write a body of the case at `path`, clamped at its joints, under its loads at one time.
 
     The orientation of the body is that of the case, after assembly if the case requests it. A split body is
     written as a whole. The deck contains no springs, force elements, ties, contacts, controllers or rotation
     of the case; a line states which of them act on the body.
 
-    body : name of one body; by default the only one with elements
-    abaqus : three-node shells for Abaqus, instead of the six-node ones for CalculiX
-    time : time at which the loads are evaluated; by default the end of the run
+    The shells have three nodes for Abaqus, and six for CalculiX.
 
     Raises
     ------
+    ArgumentError       a target that is a table or a picture
     CaseError           mistakes in the case file; no such body, or several to choose from; a body without
                         joints
     ModelError          contents that a deck cannot have
     ConvergenceError    joints that cannot be closed
     ResultFileError     a file that cannot be written
     """
+    if target.suffix.lower() in (".vtu", ".vtkhdf", *TABLE_SUFFIXES):
+        raise ArgumentError(
+            f"cannot write {target} from a case: tables and pictures of a run are written from its result "
+            "(.h5). Run the case, then export the result"
+        )
     with shown_step("reading") as notify:
         case = _undivided(read_case(path, notify))
         check_not_an_input(case, [target])
         known = [one.name for one in case.tables.body if one.name in case.elements and one.explicit is None]
         name = chosen_body(
             case,
-            body,
+            options.body,
             known,
             "bodies with elements",
             "only bodies with a mesh that are not explicit can be exported",
         )
         flexible, model = case.flexible[name], case.elements[name]
         table = next(one for one in case.tables.body if one.name == name)
-        instant = case.run.start + case.run.duration if time is None else time
+        instant = case.run.start + case.run.duration if options.time is None else options.time
         loads = [
             load.build(case.folder, case.place, case.pressed)
             for load in case.tables.load
@@ -77,7 +79,7 @@ def export_case(
             raise CaseError(
                 f"{path}: no joint constrains body '{name}', so it has no static equilibrium: add a joint"
             )
-        program = ABAQUS if abaqus else CALCULIX
+        program = ABAQUS if options.abaqus else CALCULIX
         write_static_deck(
             target, model, nodal, np.concatenate(clamped), program=program, title=case.title or name
         )

@@ -15,6 +15,7 @@ from supple.cases.notify import Notify
 from supple.cases.outputs import check_not_an_input
 from supple.cases.result_machine import result_machine
 from supple.cases.static_case import starting_system
+from supple.cli.export import ExportOptions
 from supple.errors import ArgumentError, CaseError, did_you_mean
 from supple.export.c.write_machine import write_machine
 from supple.export.fmu.platforms import PLATFORMS, Platform
@@ -44,13 +45,8 @@ from supple.terminal import print_rows, say, shown_step
 __all__ = ["chosen_inputs", "export_c", "export_fmu", "machine_outputs"]
 
 
-def export_c(
-    path: Path, folder: Path, inputs: Sequence[str], *, case_file: Path | None, allow_code: bool
-) -> None:
+def export_c(path: Path, folder: Path, options: ExportOptions) -> None:
     """Write the machine of a case, or of a result, at the start of its run, as a folder of C source.
-
-    inputs : names of joints, springs and elements whose laws become inputs
-    case_file : case file of a result, as in `result_machine`
 
     Raises
     ------
@@ -58,103 +54,87 @@ def export_c(
     ModelError          as for `step_program` and `write_machine`
     ResultFileError     a file that cannot be read or written
     """
-    _export(
-        path, folder, inputs, case_file, allow_code, lambda step, title: write_machine(folder, step, title)
-    )
+    _export(path, folder, options, lambda step, title: write_machine(folder, step, title))
     say(f"written to {folder}: run make test there")
 
 
-def export_fmu(
-    path: Path,
-    target: Path,
-    inputs: Sequence[str],
-    *,
-    fmi: int,
-    platforms: Sequence[str],
-    linear: bool,
-    case_file: Path | None,
-    allow_code: bool,
-) -> None:
+def export_fmu(path: Path, target: Path, options: ExportOptions) -> None:
     """Write the machine as an FMU.
-
-    fmi : version of FMI, 2 or 3
-    platforms : operating systems of its libraries; by default this computer's
-    linear : export the machine linearised about its equilibrium, as matrices
 
     Raises ArgumentError for an unknown operating system, and as for `export_c`, `write_fmu`, `linear_form`.
     """
-    kinds = _platforms(platforms)
-    if linear:
-        _export_linear(path, target, inputs, case_file, allow_code, fmi, kinds)
+    fmi, platforms = options.fmi or 3, _platforms(options.platforms or ())
+    if options.linear:
+        _export_linear(path, target, options, fmi, platforms)
     else:
         _export(
             path,
             target,
-            inputs,
-            case_file,
-            allow_code,
-            lambda step, title: write_fmu(target, step, title, fmi=fmi, platforms=kinds),
+            options,
+            lambda step, title: write_fmu(target, step, title, fmi=fmi, platforms=platforms),
         )
     say(f"written to {target}, FMI {fmi}")
 
 
 @contextmanager
-def _opened(
-    path: Path, target: Path, case_file: Path | None, allow_code: bool
-) -> Iterator[tuple[Case, System, Notify]]:
+def _opened(path: Path, target: Path, options: ExportOptions) -> Iterator[tuple[Case, System, Notify]]:
     """Case, machine and the display of the current step; CaseError if the target is an input of the case."""
     with shown_step("reading") as notify:
-        case, system = _machine(path, case_file, allow_code, notify)
+        case, system = _machine(path, options, notify)
         check_not_an_input(case, [target])
         yield case, system, notify
 
 
 def _export(
-    path: Path,
-    target: Path,
-    inputs: Sequence[str],
-    case_file: Path | None,
-    allow_code: bool,
-    write: Callable[[StepProgram, str], object],
+    path: Path, target: Path, options: ExportOptions, write: Callable[[StepProgram, str], object]
 ) -> None:
-    with _opened(path, target, case_file, allow_code) as (case, system, notify):
+    with _opened(path, target, options) as (case, system, notify):
         notify("tracing the equations")
-        step = _step(case, system, inputs)
+        step = _step(case, system, options.inputs or ())
         notify("writing")
         write(step, case.title or path.stem)
-    _report(step)
+    rows = {
+        "coordinates": f"{step.march.n_velocities} velocities, {step.n_equations} equations of joints",
+        "step": f"{step.size:g}",
+        "parameters": _listed(step.parameters),
+        "inputs": _listed(step.inputs.variables, "none (time only)"),
+        "outputs": _listed(step.outputs.variables),
+    }
+    _report("Machine", rows, step.outputs.left_out)
 
 
 def _export_linear(
-    path: Path,
-    target: Path,
-    inputs: Sequence[str],
-    case_file: Path | None,
-    allow_code: bool,
-    fmi: int,
-    platforms: tuple[Platform, ...],
+    path: Path, target: Path, options: ExportOptions, fmi: int, platforms: tuple[Platform, ...]
 ) -> None:
-    with _opened(path, target, case_file, allow_code) as (case, system, notify):
+    with _opened(path, target, options) as (case, system, notify):
         if case.tables.parameter:
             raise CaseError(
                 f"{case.path}: the matrices of a linear machine have no parameters; remove [[parameter]], or "
                 "export one machine for each value"
             )
         notify("linearising")
-        chosen, units = chosen_inputs(case, system, inputs)
+        chosen, units = chosen_inputs(case, system, options.inputs or ())
         sensors = machine_outputs(case, system)
         form = linear_form(system, case.run, sensors, chosen, input_units=units, units=case.units)
         notify("writing")
         write_linear_fmu(target, form, case.title or path.stem, fmi=fmi, platforms=platforms)
     rows = {
         "states": str(len(form.state)),
-        "inputs": ", ".join(variable.name for variable in form.inputs) or "none",
-        "outputs": ", ".join(variable.name for variable in form.outputs),
+        "inputs": _listed(form.inputs),
+        "outputs": _listed(form.outputs),
         "relative deviation of the first accelerations from the nonlinear ones": f"{form.deviation:.2g}",
     }
-    print_rows("Linear machine", list(rows.items()))
-    if form.left_out:
-        say(f"left out, because only results contain them: {', '.join(form.left_out)}")
+    _report("Linear machine", rows, form.left_out)
+
+
+def _listed(variables: Sequence[Variable], none: str = "none") -> str:
+    return ", ".join(variable.name for variable in variables) or none
+
+
+def _report(title: str, rows: Mapping[str, str], left_out: Sequence[str]) -> None:
+    print_rows(title, rows.items())
+    if left_out:
+        say(f"left out, because only results contain them: {', '.join(left_out)}")
 
 
 def _platforms(names: Sequence[str]) -> tuple[Platform, ...]:
@@ -167,17 +147,17 @@ def _platforms(names: Sequence[str]) -> tuple[Platform, ...]:
     return tuple(each for name in dict.fromkeys(names) for each in PLATFORMS[name])
 
 
-def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) -> tuple[Case, System]:
+def _machine(path: Path, options: ExportOptions, notify: Notify) -> tuple[Case, System]:
     if path.suffix.lower() != ".toml":
-        found = result_machine(path, case_file, notify)
-        return found.case, starting_system(found.case, found.system, allow_code=allow_code)
+        found = result_machine(path, options.case, notify)
+        return found.case, starting_system(found.case, found.system, allow_code=options.allow_code)
     case = read_case(path, notify)
     if case.starts:
         raise CaseError(
             f"{path}: body '{next(iter(case.starts))}' is reduced to an accuracy during its run: run "
             "the case, and export its result (.h5)"
         )
-    return case, starting_system(case, allow_code=allow_code)
+    return case, starting_system(case, allow_code=options.allow_code)
 
 
 def chosen_inputs(case: Case, system: System, names: Sequence[str]) -> tuple[dict[str, Any], dict[str, str]]:
@@ -273,16 +253,3 @@ def machine_outputs(case: Case, system: System) -> list[Quantity]:
 
 def _moves_along_axis(joint: Joint) -> bool:
     return type(joint) in (Revolute, Prismatic, Cylindrical)
-
-
-def _report(step: StepProgram) -> None:
-    rows: Mapping[str, str] = {
-        "coordinates": f"{step.march.n_velocities} velocities, {step.n_equations} equations of joints",
-        "step": f"{step.size:g}",
-        "parameters": ", ".join(variable.name for variable in step.parameters) or "none",
-        "inputs": ", ".join(variable.name for variable in step.inputs.variables) or "none (time only)",
-        "outputs": ", ".join(variable.name for variable in step.outputs.variables) or "none",
-    }
-    print_rows("Machine", list(rows.items()))
-    if step.outputs.left_out:
-        say(f"left out, because only results contain them: {', '.join(step.outputs.left_out)}")

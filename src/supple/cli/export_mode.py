@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from supple.cases import read_case
 from supple.cases.modes_case import mode_case
 from supple.cases.outputs import check_not_an_input
+from supple.cli.export import ExportOptions
 from supple.errors import ArgumentError
 from supple.export import write_vtkhdf, write_vtu
 from supple.terminal import say, shown_step
 
 
-def export_mode(path: Path, target: Path, mode: int, *, bodies: Sequence[str] | None, time: float) -> None:
+def export_mode(path: Path, target: Path, options: ExportOptions) -> None:
     """Write one period (.vtkhdf) or phase 0 (.vtu) of a mode of the machine of the case at `path`.
-
-    mode : from 1, in order of frequency
-    bodies : names of the bodies to write; by default all, with the joints
-    time : time at which loads and laws are evaluated
 
     Raises
     ------
@@ -27,15 +23,16 @@ def export_mode(path: Path, target: Path, mode: int, *, bodies: Sequence[str] | 
     ModelError          as `machine_modes` and the writers
     ResultFileError     a file that cannot be written
     """
+    assert options.mode is not None
     suffix = target.suffix.lower()
     if path.suffix.lower() != ".toml" or suffix not in (".vtkhdf", ".vtu"):
         raise ArgumentError("--mode needs a case (.toml) and a file .vtkhdf or .vtu")
     with shown_step("reading") as notify:
         case = read_case(path, notify)
         check_not_an_input(case, [target])
-        system, motion = mode_case(case, mode, time=time)
+        system, motion = mode_case(case, options.mode, time=options.time or 0.0)
         of_picture: dict[str, Any] = {
-            "bodies": case.names_in_machine(bodies or ()) or None,
+            "bodies": case.names_in_machine(options.body or ()) or None,
             "bases": case.bases,
             "units": case.units,
         }
@@ -43,4 +40,4 @@ def export_mode(path: Path, target: Path, mode: int, *, bodies: Sequence[str] | 
             write_vtu(target, system, motion.at(slice(1)), case.meshes, **of_picture)
         else:
             write_vtkhdf(target, system, motion, case.meshes, **of_picture)
-    say(f"mode {mode} written to {target}")
+    say(f"mode {options.mode} written to {target}")

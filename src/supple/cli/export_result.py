@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from supple.cases.outputs import check_not_an_input
 from supple.cases.result_machine import ResultMachine, result_machine
 from supple.cases.result_tables import recorded_quantities
+from supple.cli.export import ExportOptions
 from supple.errors import ArgumentError, ModelError, ResultFileError
 from supple.export import TABLE_SUFFIXES, write_readings, write_vtkhdf, write_vtu
 from supple.fem import FiniteElementModel, stress_recovery
@@ -25,23 +26,10 @@ from supple.units import with_unit
 _PICTURES = (".vtkhdf", ".vtu")
 
 
-def export_result(
-    path: Path,
-    target: Path,
-    *,
-    bodies: Sequence[str] | None,
-    time: float | None,
-    times: str | None,
-    stress: bool,
-    case_file: Path | None,
-) -> None:
+def export_result(path: Path, target: Path, options: ExportOptions) -> None:
     """Write the run in the result file at `path`, in the format of the target's suffix.
 
-    bodies : names of bodies for ParaView; by default all, with the joints
-    time : time of a .vtu; by default the end of the run
-    times : FROM:TO:NUMBER, evenly spaced times, for any other format; by default all
-    stress : whether files for ParaView contain stress
-    case_file : as in `result_machine`
+    A .vtu has one time; for ParaView all bodies are written with the joints.
 
     Raises
     ------
@@ -55,19 +43,19 @@ def export_result(
         known = ", ".join((*_PICTURES, *TABLE_SUFFIXES))
         raise ModelError(f"cannot write {target}: give a file that ends in {known}")
     with shown_step("reading") as notify:
-        found = result_machine(path, case_file, notify)
+        found = result_machine(path, options.case, notify)
         check_not_an_input(found.case, [target])
         if target.resolve() in {path.resolve(), *_bodies_beside(found, path)}:
             raise ResultFileError(
                 f"cannot write {target}: it is the result itself and would be lost; write another file (-o)"
             )
-        rows = _rows(found.run.times, suffix, time, times)
+        rows = _rows(found.run.times, suffix, options)
         run = ResultParts(path, rows)
         notify("writing")
         if suffix in TABLE_SUFFIXES:
             write_readings(target, _readings(found, run), units=found.case.units)
         else:
-            _write_picture(target, suffix, found, run, bodies, stress=stress)
+            _write_picture(target, suffix, found, run, options)
     instants = f"{len(rows)} instants" if len(rows) > 1 else f"t = {run.times[0]:g}"
     say(f"{instants if len(rows) > 1 else with_unit(instants, found.case.units.time)} written to {target}")
 
@@ -96,14 +84,12 @@ def _bodies_beside(found: ResultMachine, path: Path) -> set[Path]:
     return {stored_path(path.parent, placed.body.name).resolve() for placed in found.system.bodies}
 
 
-def _rows(
-    there: NDArray[np.float64], suffix: str, time: float | None, times: str | None
-) -> NDArray[np.int64]:
+def _rows(there: NDArray[np.float64], suffix: str, options: ExportOptions) -> NDArray[np.int64]:
     """Indices of the output times nearest to the requested ones."""
     if suffix == ".vtu":
-        wanted = np.array([there[-1] if time is None else time])
-    elif times is not None:
-        wanted = _spread(times)
+        wanted = np.array([there[-1] if options.time is None else options.time])
+    elif options.times is not None:
+        wanted = _spread(options.times)
     else:
         return np.arange(len(there))
     half = float(np.diff(there).max(initial=0.0)) / 2
@@ -129,18 +115,12 @@ def _spread(times: str) -> NDArray[np.float64]:
 
 
 def _write_picture(
-    target: Path,
-    suffix: str,
-    found: ResultMachine,
-    run: ResultParts,
-    bodies: Sequence[str] | None,
-    *,
-    stress: bool,
+    target: Path, suffix: str, found: ResultMachine, run: ResultParts, options: ExportOptions
 ) -> None:
     case = found.case
-    wanted = case.names_in_machine(bodies or ())
+    wanted = case.names_in_machine(options.body or ())
     of_picture: dict[str, Any] = {
-        "elements": _with_stress(case.elements, wanted) if stress else {},
+        "elements": _with_stress(case.elements, wanted) if options.stress else {},
         "bodies": wanted or None,
         "bases": case.bases,
         "units": case.units,

@@ -16,6 +16,7 @@ from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
 from supple.cases.static_case import assembled_system
 from supple.cli.chosen_body import chosen_body
+from supple.cli.export import ExportOptions
 from supple.errors import ArgumentError, CaseError
 from supple.export import (
     InterfaceForm,
@@ -67,12 +68,10 @@ _NONE = (
 SUPERELEMENT_SUFFIXES = (*_OF_INTERFACES, *_OF_BODIES, _OPENFAST, _CLOSED)
 
 
-def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None, abaqus: bool) -> None:
+def export_superelement(path: Path, target: Path, options: ExportOptions) -> None:
     """Write the reduced body at `path`, a case or the file of a reduced body, in the target's format.
 
-    body : at most one name of a body of the case; by default its only body.
-        For a file of a reduced body only the name of this body
-    abaqus : write a deck (.inp) with matrices for Abaqus, instead of equations for CalculiX
+    A deck (.inp) has matrices for Abaqus, and equations for CalculiX.
 
     Raises
     ------
@@ -91,20 +90,22 @@ def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None,
     with shown_step("reading") as notify:
         if path.suffix.lower() != ".toml":
             only = read_reduced_body(path)
-            if body and list(body) != [only.name]:
+            if options.body and list(options.body) != [only.name]:
                 raise ArgumentError(f"{path} contains the body '{only.name}' alone: remove --body")
-            _write(target, suffix, only, None, abaqus=abaqus)
+            _write(target, suffix, only, None, abaqus=options.abaqus)
             return
         case = read_case(path, notify)
         check_not_an_input(case, [target])
         if suffix == _OPENFAST:
             check_not_an_input(case, [blade_file_of(target)])
             _check_si(case)
-        chosen = _chosen(case, body, ("reduced", "intrinsic") if suffix == _OPENFAST else ("reduced",))
+        chosen = _chosen(
+            case, options.body, ("reduced", "intrinsic") if suffix == _OPENFAST else ("reduced",)
+        )
         if chosen.kind == "intrinsic":
             _write_blade(target, case, cast("IntrinsicBody", chosen))
         else:
-            _write(target, suffix, cast("ReducedBody", chosen), case, abaqus=abaqus)
+            _write(target, suffix, cast("ReducedBody", chosen), case, abaqus=options.abaqus)
         _print_units(case, suffix)
 
 
