@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
-from supple.cli.sweep_group import SweepGroup
 from supple.errors import ArgumentError
 from supple.progress import show_progress
-from supple.terminal import console, reported_errors, reported_warnings, show_any_character
+from supple.terminal import console, print_rows, reported_errors, reported_warnings, say, show_any_character
 
 app = typer.Typer(
     help="Reduced-order flexible multibody dynamics.",
@@ -29,6 +29,18 @@ app.add_typer(
     help="Run a published benchmark and compare its results with the numbers of the paper.",
     no_args_is_help=True,
 )
+
+
+class SweepGroup(TyperGroup):
+    """The commands of `sweep`; a file name in place of a command runs that sweep."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """The arguments, with `run` inserted before a file name or an option of that command."""
+        if args and args[0] not in {*self.commands, "--help"}:
+            args = ["run", *args]
+        return super().parse_args(ctx, args)
+
+
 sweep_app = typer.Typer(cls=SweepGroup, rich_markup_mode=None)
 app.add_typer(
     sweep_app,
@@ -418,15 +430,18 @@ def example(
     debug: Debug = False,
 ) -> None:
     """List the examples, or write one with its mesh into a folder."""
-    from supple.cli.example import list_examples, write_example
+    from supple import cases
 
     with reported_errors(debug=debug), reported_warnings():
         if name is None:
             if output is not None:
                 raise ArgumentError("-o is the folder for an example: give the name of an example as well")
-            list_examples()
-        else:
-            write_example(name, output or Path())
+            print_rows("Examples: supple example NAME", cases.example_titles().items())
+            return
+        files = cases.write_example(name, output or Path())
+        for path in files:
+            say(f"wrote {path}")
+        say(f"Run it: {cases.command_of_example(files[0])}")
 
 
 @app.command()
@@ -443,7 +458,10 @@ def new(
     debug: Debug = False,
 ) -> None:
     """Write a commented case file for a mesh, section table or machine; comments mark the guesses."""
-    from supple.cli.new_case import new_case
+    from supple import cases
 
     with reported_errors(debug=debug), reported_warnings():
-        new_case(mesh if mesh != Path() else Path(typer.prompt("Mesh, deck or section table")), output)
+        file = mesh if mesh != Path() else Path(typer.prompt("Mesh, deck or section table"))
+        written = output or Path(f"{file.stem}.toml")
+        cases.write_new_case(file, written)
+        say(f"wrote {written}: edit the lines marked GUESS, then run: supple run {written}")
