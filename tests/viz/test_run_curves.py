@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from supple.integrate import Solution, Statistics
+from supple.linearization import CampbellDiagram, CriticalSpeed
 from supple.machine import GROUND, At, Fixed
 from supple.quantities import TrackedMotion
 from supple.units import SI
@@ -137,6 +138,13 @@ def test_forces_of_joints_name_their_axes_and_show_no_noise(figure, tmp_path, mo
 # --- Campbell diagram
 
 
+def diagram(rates, frequencies, critical=(), **given):
+    """Modes of these frequencies, rad per unit of time, with these critical speeds."""
+    kind = type("Diagram", (CampbellDiagram,), {"critical_speeds": [CriticalSpeed(c, 1) for c in critical]})
+    frequencies = np.array(frequencies)
+    return kind(np.array(rates), 1j * frequencies, np.ones_like(frequencies[1:]), **given)
+
+
 def test_names_of_close_modes_do_not_cover_each_other():
     placed = _apart(np.array([5.0, 1.0, 5.01, 9.99, 10.0]), 10.0)
     in_order = placed[[1, 0, 2, 3, 4]]
@@ -146,15 +154,14 @@ def test_names_of_close_modes_do_not_cover_each_other():
 
 
 def test_a_campbell_diagram_is_in_rpm_and_names_its_lines(figure, tmp_path):
-    rates = np.array([0.0, np.pi])
-    followed = SimpleNamespace(
-        rates=rates,
-        frequencies=2 * np.pi * np.array([[0.7, 1.4, np.nan], [0.8, np.nan, np.nan]]),
+    followed = diagram(
+        [0.0, np.pi],
+        2 * np.pi * np.array([[0.7, 1.4, np.nan], [0.8, np.nan, np.nan]]),
+        critical=[2.0],
         axes="turning with the machine",
         sense=np.zeros((2, 3), dtype=int),
         in_space=np.full((2, 3), np.nan),
-        names=["flap 1", "edge 1", "lost"],
-        critical_speeds=[SimpleNamespace(rate=2.0)],
+        names=("flap 1", "edge 1", "lost"),
     )
     plot_campbell(tmp_path / "a.png", followed, units=SI)
     (axes,) = figure.axes
@@ -166,14 +173,14 @@ def test_a_campbell_diagram_is_in_rpm_and_names_its_lines(figure, tmp_path):
 
 
 def test_whirls_are_drawn_as_they_are_seen_in_space_too(figure, tmp_path):
-    followed = SimpleNamespace(
-        rates=np.array([0.0, 8.0]),
-        frequencies=np.array([[5.0, 9.0], [3.0, 9.0]]),
+    followed = diagram(
+        [0.0, 8.0],
+        [[5.0, 9.0], [3.0, 9.0]],
+        critical=[5.0],
         in_space=np.array([[5.0, 9.0], [5.0, np.nan]]),
         sense=np.array([[0, 0], [1, 0]]),
         axes="turning with the machine",
-        names=["forward whirl 1", "stretch"],
-        critical_speeds=[SimpleNamespace(rate=5.0)],
+        names=("forward whirl 1", "stretch"),
     )
     plot_campbell(tmp_path / "a.png", followed, units=SI)
     in_space, turning = figure.axes
@@ -185,14 +192,13 @@ def test_whirls_are_drawn_as_they_are_seen_in_space_too(figure, tmp_path):
 
 @pytest.mark.parametrize("rates", [(-2.0, 0.0, 2.0), (2.0, 1.0, 0.0), (-1.5, 0.5)])
 def test_names_of_multiples_are_on_their_lines(figure, tmp_path, rates):
-    followed = SimpleNamespace(
-        rates=np.array(rates),
-        frequencies=np.full((len(rates), 1), 10.0),
+    followed = diagram(
+        rates,
+        np.full((len(rates), 1), 10.0),
         axes="turning",
         sense=np.zeros((len(rates), 1), dtype=int),
         in_space=np.full((len(rates), 1), np.nan),
-        names=["flap"],
-        critical_speeds=[],
+        names=("flap",),
     )
     plot_campbell(tmp_path / "a.png", followed, units=SI)
     (axes,) = figure.axes

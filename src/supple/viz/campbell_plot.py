@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.linearization import CampbellDiagram
 from supple.linearization.linear_machine import STANDING
 from supple.units import UNNAMED, UnitSystem, labelled, plain_number
 from supple.viz.style import COLOURS, TEXT_WIDTH, new_figure, save_figure, textbook_style
@@ -25,56 +25,8 @@ _LINE = 0.032
 """Height of the name of a mode, as a share of the height of the diagram."""
 
 
-class CriticalPoint(Protocol):
-    """A speed at which unbalance excites a whirl."""
-
-    @property
-    def rate(self) -> float:
-        """Rad per unit of time."""
-        ...
-
-
-class FollowedModes(Protocol):
-    """Modes over speed, as in a Campbell diagram."""
-
-    @property
-    def rates(self) -> Array:
-        """(ns,) rad per unit of time."""
-        ...
-
-    @property
-    def frequencies(self) -> Array:
-        """(ns, nm) rad per unit of time."""
-        ...
-
-    @property
-    def axes(self) -> str:
-        """Description of the axes in which the frequencies are observed."""
-        ...
-
-    @property
-    def in_space(self) -> Array:
-        """(ns, nm) frequencies in space, rad per unit of time; NaN where unknown."""
-        ...
-
-    @property
-    def sense(self) -> NDArray[np.int_]:
-        """(ns, nm) sense of whirl: 1 forward, -1 backward, 0 for other modes."""
-        ...
-
-    @property
-    def names(self) -> Sequence[str]:
-        """Names of the modes."""
-        ...
-
-    @property
-    def critical_speeds(self) -> Sequence[CriticalPoint]:
-        """Speeds at which unbalance excites a whirl."""
-        ...
-
-
 @checked_arguments
-def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem = UNNAMED) -> Path:
+def plot_campbell(path: Path | str, diagram: CampbellDiagram, *, units: UnitSystem = UNNAMED) -> Path:
     """Draw named frequencies over speed, the multiples of the speed that excite them, and critical speeds.
 
     In turning axes a second diagram, above, has the whirls as they are seen in space.
