@@ -17,7 +17,7 @@ from supple.mesh import CellType, Mesh
 from supple.quantities import deflections, joint_loads, tracked_motion, von_mises_history
 from supple.report import write_report
 from supple.report.charts import Chart
-from supple.report.packed_arrays import PackedArrays, Packing, unpacked
+from supple.report.packed_arrays import PackedArrays, unpacked
 from supple.report.scene_data import chart_data
 from supple.simulation.recorded_columns import measured_columns
 from supple.units import SI
@@ -115,7 +115,7 @@ def test_curves_of_joints_and_tracked_places(page, machine):
 def test_times_of_curves_are_exact_long_after_zero():
     times, arrays = 1e5 + 0.01 * np.arange(3), PackedArrays()
     (chart,) = chart_data([Chart("x", "x (m)", times, {"x": np.zeros(3)})], arrays)
-    np.testing.assert_array_equal(unpacked(arrays.text(), Packing(*chart["abscissa"].values())), times)
+    np.testing.assert_array_equal(unpacked(arrays.text(), chart["abscissa"]), times)
 
 
 def test_the_error_comes_first_and_no_text_is_markup(page):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import zlib
-from typing import Any, Literal, NamedTuple
+from typing import Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,16 +19,12 @@ _LEVEL = 6
 """Compression level of zlib: level 9 takes four times as long for a file that is 1 % smaller."""
 
 
-class Packing(NamedTuple):
-    """Position of an array in the block, and its type."""
+class Packing(TypedDict):
+    """Position of an array in the block, and its type, as JSON values for the script."""
 
     start: int
-    shape: tuple[int, ...]
+    shape: list[int]
     kind: Kind
-
-    def plain(self) -> dict[str, Any]:
-        """The layout as JSON values for the script."""
-        return {"start": self.start, "shape": list(self.shape), "kind": self.kind}
 
 
 class PackedArrays:
@@ -56,7 +52,7 @@ class PackedArrays:
             numbers = array.copy()
             numbers[..., 1:] -= array[..., :-1]
         planes = numbers.reshape(-1, 1).view(np.uint8).T
-        packing = Packing(self._size, array.shape, kind)
+        packing = Packing(start=self._size, shape=list(array.shape), kind=kind)
         self._parts.append(planes.tobytes())
         self._size += array.nbytes
         return packing
@@ -69,7 +65,7 @@ class PackedArrays:
 def unpacked(text: str, packing: Packing) -> np.ndarray:
     """One array of the text from `PackedArrays.text`, unpacked as by the script of the page."""
     block = np.frombuffer(zlib.decompress(base64.b64decode(text)), dtype=np.uint8)
-    start, shape, kind = packing
+    start, shape, kind = packing["start"], packing["shape"], packing["kind"]
     number, width = int(np.prod(shape)), np.dtype(kind).itemsize
     planes = block[start : start + number * width].reshape(width, number)
     array = np.ascontiguousarray(planes.T).view(f"<{kind}").reshape(shape)

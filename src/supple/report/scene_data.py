@@ -13,7 +13,7 @@ from supple.report.marked_place import MarkedPlace
 from supple.report.moving_body import MovingBody
 from supple.report.moving_machine import MovingMachine
 from supple.report.nodal_shapes import NodalShapes
-from supple.report.packed_arrays import PackedArrays
+from supple.report.packed_arrays import PackedArrays, Packing
 
 __all__ = ["chart_data", "scene_data"]
 
@@ -39,7 +39,7 @@ def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
     numbers = {body.name: number for number, body in enumerate(machine.bodies)}
     marks = _Marks(machine, numbers, middle, arrays)
     return {
-        "times": arrays.add(machine.times - machine.times[0], "f4").plain(),
+        "times": arrays.add(machine.times - machine.times[0], "f4"),
         "start": float(machine.times[0]),
         "middle": middle.tolist(),
         "half": (0.5 * (machine.high - machine.low)).tolist(),
@@ -65,15 +65,15 @@ def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
                 "kind": arrow.kind,
                 "place": marks.of(arrow.place),
                 "largest": float(np.linalg.norm(arrow.values, axis=1).max(initial=0.0)),
-                "values": arrays.add(arrow.values.T, "f4").plain(),
+                "values": arrays.add(arrow.values.T, "f4"),
             }
             for arrow in machine.arrows
         ],
         "obstacles": [
             {
-                "points": arrays.add(each.points - middle, "f4").plain(),
-                "triangles": arrays.add(each.triangles.T, "i4").plain(),
-                "offsets": arrays.add(each.offsets.T, "f4").plain(),
+                "points": arrays.add(each.points - middle, "f4"),
+                "triangles": arrays.add(each.triangles.T, "i4"),
+                "offsets": arrays.add(each.offsets.T, "f4"),
             }
             for each in machine.obstacles
         ],
@@ -86,13 +86,13 @@ def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, 
 
     An abscissa that several charts share is added once.
     """
-    known: dict[int, dict[str, Any]] = {}
+    known: dict[int, Packing] = {}
     found = []
     for chart in charts:
         key = id(chart.abscissa)
         if key not in known:
             # Times long after zero differ by less than single precision resolves.
-            known[key] = arrays.add(chart.abscissa, "f8").plain()
+            known[key] = arrays.add(chart.abscissa, "f8")
         found.append(
             {
                 "title": chart.title,
@@ -101,7 +101,7 @@ def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, 
                 "over": chart.abscissa_label,
                 "abscissa": known[key],
                 "names": list(chart.curves),
-                "curves": arrays.add(np.stack(list(chart.curves.values())), "f4").plain(),
+                "curves": arrays.add(np.stack(list(chart.curves.values())), "f4"),
             }
         )
     return found
@@ -114,16 +114,14 @@ def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[st
         "name": body.name,
         "kind": body.kind,
         "seenFrom": body.seen_from,
-        "nodes": arrays.add(body.rest, "f4").plain(),
-        "ids": arrays.add(body.node_ids, "i4").plain(),
-        "carriers": arrays.add(carriers, "i4").plain() if carried else None,
-        "unknown": arrays.add(body.unknown, "i4").plain() if body.unknown.any() else None,
-        "triangles": arrays.add(surface.triangles.T, "i4").plain(),
-        "edges": arrays.add(body.edges.T, "i4").plain(),
-        "lifetimes": None if surface.lifetimes is None else arrays.add(surface.lifetimes.T, "i4").plain(),
-        "pose": arrays.add(
-            np.vstack([(body.position - middle).T, quaternions(body.rotation).T]), "f4"
-        ).plain(),
+        "nodes": arrays.add(body.rest, "f4"),
+        "ids": arrays.add(body.node_ids, "i4"),
+        "carriers": arrays.add(carriers, "i4") if carried else None,
+        "unknown": arrays.add(body.unknown, "i4") if body.unknown.any() else None,
+        "triangles": arrays.add(surface.triangles.T, "i4"),
+        "edges": arrays.add(body.edges.T, "i4"),
+        "lifetimes": None if surface.lifetimes is None else arrays.add(surface.lifetimes.T, "i4"),
+        "pose": arrays.add(np.vstack([(body.position - middle).T, quaternions(body.rotation).T]), "f4"),
         "displacement": None if body.displacement is None else _shapes_data(body.displacement, _STEP, arrays),
         "fields": {name: _shapes_data(each, _STEP_OF_FIELD, arrays) for name, each in body.fields.items()},
     }
@@ -137,8 +135,8 @@ def _shapes_data(field: NodalShapes, step: float, arrays: PackedArrays) -> dict[
     unit = np.where(largest > 0, largest, 1.0) / levels
     whole = np.rint(field.shapes / unit[:, None, None]).transpose(0, 2, 1)
     return {
-        "shapes": arrays.add(whole, "i2").plain(),
-        "amplitudes": arrays.add((field.amplitudes * unit).T, "f4").plain(),
+        "shapes": arrays.add(whole, "i2"),
+        "amplitudes": arrays.add((field.amplitudes * unit).T, "f4"),
     }
 
 
@@ -169,8 +167,8 @@ class _Marks:
         return {
             "body": number,
             "rest": rest.tolist(),
-            "moved": self._arrays.add(moved.T, "f4").plain(),
-            "turned": self._arrays.add(turned.T, "f4").plain(),
+            "moved": self._arrays.add(moved.T, "f4"),
+            "turned": self._arrays.add(turned.T, "f4"),
         }
 
 

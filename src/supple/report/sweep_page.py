@@ -159,7 +159,7 @@ class _Column(NamedTuple):
             known["words"] = words
             values = np.array([numbers[str(value)] for value in self.values])
         known["whole"] = values.dtype.kind in "iu"
-        return known | {"values": arrays.add(values.astype(np.float64), "f8").plain()}
+        return known | {"values": arrays.add(values.astype(np.float64), "f8")}
 
 
 def _are_words(values: Sequence[Any] | Array) -> bool:
@@ -178,6 +178,6 @@ def _plain(spectrum: RainflowSpectrum, arrays: PackedArrays) -> dict[str, Any]:
     return {
         "name": spectrum.name,
         "unit": spectrum.unit,
-        "ranges": arrays.add(spectrum.ranges, "f8").plain(),
-        "counts": arrays.add(spectrum.counts, "f8").plain(),
+        "ranges": arrays.add(spectrum.ranges, "f8"),
+        "counts": arrays.add(spectrum.counts, "f8"),
     }
