@@ -113,7 +113,7 @@ def right_jacobian_slope(psi: jax.Array, vector: jax.Array) -> tuple[jax.Array, 
 def euler_parameters(rotation: jax.Array) -> jax.Array:
     """Unit quaternion `(e0, e1, e2, e3)`, `e0 >= 0`, of a rotation matrix; shape (3, 3) to (4,).
 
-    The largest of the four is found first, which avoids division by a small number (Shepperd 1978).
+    The largest of the four is found first, which avoids division by a small number [Shepperd1978].
     """
     trace = jnp.trace(rotation)
     diagonal = jnp.diagonal(rotation)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from supple.report.charts import Chart
 from supple.report.marked_place import MarkedPlace
@@ -121,7 +122,7 @@ def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[st
         "triangles": arrays.add(surface.triangles.T, "i4"),
         "edges": arrays.add(body.edges.T, "i4"),
         "lifetimes": None if surface.lifetimes is None else arrays.add(surface.lifetimes.T, "i4"),
-        "pose": arrays.add(np.vstack([(body.position - middle).T, quaternions(body.rotation).T]), "f4"),
+        "pose": arrays.add(np.vstack([(body.position - middle).T, _quaternions(body.rotation).T]), "f4"),
         "displacement": None if body.displacement is None else _shapes_data(body.displacement, _STEP, arrays),
         "fields": {name: _shapes_data(each, _STEP_OF_FIELD, arrays) for name, each in body.fields.items()},
     }
@@ -161,7 +162,7 @@ class _Marks:
         moved = points - rest
         if np.abs(moved).max(initial=0.0) <= self._still:
             moved = moved[:1]
-        turned = quaternions(axes)
+        turned = _quaternions(axes)
         if np.abs(turned - turned[0]).max(initial=0.0) <= _STILL:
             turned = turned[:1]
         return {
@@ -172,24 +173,9 @@ class _Marks:
         }
 
 
-def quaternions(rotation: Array) -> Array:
-    """Unit quaternions (t, 4), x y z w, of rotation matrices (t, 3, 3), with continuous sign.
-
-    Row i of the products is 4 q_i q. The row of the largest component avoids division by a small number.
-    Source: [Shepperd1978]
-    """
-    m = np.moveaxis(np.asarray(rotation), 0, -1)
-    (a, b, c), (d, e, f), (g, h, i) = m
-    products = np.array(
-        [
-            [1 + a - e - i, b + d, c + g, h - f],
-            [b + d, 1 - a + e - i, f + h, c - g],
-            [c + g, f + h, 1 - a - e + i, d - b],
-            [h - f, c - g, d - b, 1 + a + e + i],
-        ]
-    )
-    rows = products[np.argmax(np.einsum("iit->it", products), axis=0), :, np.arange(m.shape[-1])]
-    found = rows / np.linalg.norm(rows, axis=1, keepdims=True)
+def _quaternions(rotation: Array) -> Array:
+    """Unit quaternions (t, 4), x y z w, of rotation matrices (t, 3, 3), with continuous sign."""
+    found = Rotation.from_matrix(rotation).as_quat()
     turned = np.where(np.einsum("ti,ti->t", found[1:], found[:-1]) < 0, -1.0, 1.0)
     found[1:] *= np.cumprod(turned)[:, None]
     return found
