@@ -28,7 +28,7 @@ from supple.quantities import contact_forces, node_positions
 from supple.quantities.end_motion import both_ends
 from supple.value_content import UserFunction
 
-__all__ = ["Arrow", "JointMark", "Link", "MarkedPlace", "arrows_of", "joint_marks", "links_of"]
+__all__ = ["Arrow", "Link", "MarkedPlace", "arrows_of", "joint_marks", "links_of"]
 
 Array = NDArray[np.float64]
 
@@ -49,20 +49,14 @@ class MarkedPlace:
 
 
 @dataclass(frozen=True, eq=False)
-class JointMark:
-    """A joint: name, description of its kind, and the points of its ends."""
+class Link:
+    """A joint, or a force element such as a spring, and the points of its ends.
+
+    kind : description of a joint; "" for a force element
+    """
 
     name: str
     kind: str
-    first: MarkedPlace
-    second: MarkedPlace
-
-
-@dataclass(frozen=True, eq=False)
-class Link:
-    """A force element between two points, such as a spring."""
-
-    name: str
     first: MarkedPlace
     second: MarkedPlace
 
@@ -80,14 +74,12 @@ class Arrow:
     values: Array
 
 
-def joint_marks(system: System, solution: Solution) -> Iterator[JointMark]:
+def joint_marks(system: System, solution: Solution) -> Iterator[Link]:
     """Both ends of every joint, each with the joint axes that rotate with it."""
     for joint in system.joints:
         first, second = both_ends(system, solution, joint, joint.name)
         kind = "".join(f" {c.lower()}" if c.isupper() else c for c in type(joint).__name__).strip()
-        yield JointMark(
-            joint.name, kind, _place(system, joint.first, first), _place(system, joint.second, second)
-        )
+        yield Link(joint.name, kind, _place(system, joint.first, first), _place(system, joint.second, second))
 
 
 def links_of(system: System, solution: Solution) -> Iterator[Link]:
@@ -95,7 +87,7 @@ def links_of(system: System, solution: Solution) -> Iterator[Link]:
     for load in system.acting:
         if isinstance(load, ForceElement) and not _is_arrow(load):
             first, second = both_ends(system, solution, load, load.label)
-            yield Link(load.label, _place(system, load.first, first), _place(system, load.second, second))
+            yield Link(load.label, "", _place(system, load.first, first), _place(system, load.second, second))
 
 
 def arrows_of(system: System, solution: Solution) -> Iterator[Arrow]:

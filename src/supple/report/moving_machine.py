@@ -13,7 +13,7 @@ from supple.body import BodyForm, RigidBody
 from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import At, System
-from supple.report.marked_place import Arrow, JointMark, Link, arrows_of, joint_marks, links_of
+from supple.report.marked_place import Arrow, Link, arrows_of, joint_marks, links_of
 from supple.report.moving_body import FIELD_TOLERANCE, MovingBody, moving_body, rigid_links
 from supple.results.body_surface import Look
 from supple.results.colouring import DEFLECTION, PLASTIC_STRAIN, Colouring, stress_colouring
@@ -69,7 +69,7 @@ class MovingMachine:
 
     times: Array
     bodies: Sequence[MovingBody]
-    joints: Sequence[JointMark]
+    joints: Sequence[Link]
     links: Sequence[Link]
     arrows: Sequence[Arrow]
     obstacles: Sequence[MovingObstacle]

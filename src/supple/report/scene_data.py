@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from supple.report.charts import Chart
-from supple.report.marked_place import MarkedPlace
+from supple.report.marked_place import Link, MarkedPlace
 from supple.report.moving_body import MovingBody
 from supple.report.moving_machine import MovingMachine
 from supple.report.nodal_shapes import NodalShapes
@@ -47,19 +47,8 @@ def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
         "up": machine.up.tolist(),
         "arrowLength": machine.arrow_length,
         "bodies": [_body_data(body, middle, arrays) for body in machine.bodies],
-        "joints": [
-            {
-                "name": joint.name,
-                "kind": joint.kind,
-                "first": marks.of(joint.first),
-                "second": marks.of(joint.second),
-            }
-            for joint in machine.joints
-        ],
-        "links": [
-            {"name": link.name, "first": marks.of(link.first), "second": marks.of(link.second)}
-            for link in machine.links
-        ],
+        "joints": [marks.of_ends(joint) for joint in machine.joints],
+        "links": [marks.of_ends(link) for link in machine.links],
         "arrows": [
             {
                 "name": arrow.name,
@@ -149,6 +138,11 @@ class _Marks:
     ) -> None:
         self._machine, self._numbers, self._middle, self._arrays = machine, numbers, middle, arrays
         self._still = _STILL * float(np.linalg.norm(machine.high - machine.low))
+
+    def of_ends(self, link: Link) -> dict[str, Any]:
+        """Name, kind, and both ends."""
+        ends = {"first": self.of(link.first), "second": self.of(link.second)}
+        return {"name": link.name, "kind": link.kind, **ends}
 
     def of(self, place: MarkedPlace) -> dict[str, Any]:
         """Body number (-1: the ground), rest position, and motion within the body; axes as quaternions."""
