@@ -14,13 +14,12 @@ from supple.results.view import View as View
 from supple.viz.animation import *
 from supple.viz.campbell_plot import *
 from supple.viz.contour import *
-from supple.viz.eigenvalue_error import *
+from supple.viz.error_curves import *
 from supple.viz.glyphs import *
 from supple.viz.mesh_plot import *
 from supple.viz.mode_shapes import *
 from supple.viz.response_errors import *
 from supple.viz.rest_and_mode_pictures import *
-from supple.viz.rms_error import *
 from supple.viz.run_animation import *
 from supple.viz.run_pictures import *
 from supple.viz.scene import *

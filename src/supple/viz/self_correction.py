@@ -74,7 +74,7 @@ def plot_self_correction(
         for axes, (name, errors) in zip(grid, bodies.items(), strict=True):
             _draw_rounds(axes, errors)
             axes.set_ylabel(labelled(f"{name}: RMS error", units.length))
-        legend_above(grid[0], len(grid[0].get_lines()))
+        legend_above(grid[0])
         grid[-1].set_xlabel("number of coordinates")
         return save_figure(figure, path)
 

@@ -122,19 +122,19 @@ def draw_curve(axes: Axes, x, y, stroke: Stroke, rank: int, label: str) -> None:
         line.set_dashes(stroke.dashes)
 
 
-def legend_above(axes: Axes, n_curves: int) -> None:
+def legend_above(axes: Axes) -> None:
     """A legend above the axes, where it covers no curve, with as many columns as fit."""
-    labels = axes.get_legend_handles_labels()[1]
-    longest = max((len(label) for label in labels), default=0)
+    labels = axes.get_legend_handles_labels()[1] or [""]
+    longest = max(map(len, labels))
     # Inches: the line with its gaps, and a character of the legend's font.
     column_width = 0.5 + 0.075 * longest
     fitting = max(1, int((TEXT_WIDTH - 0.8) / column_width))
     # The fewest columns that need no further row fill the last row best.
-    rows = -(-n_curves // min(fitting, n_curves))
+    rows = -(-len(labels) // min(fitting, len(labels)))
     axes.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=-(-n_curves // rows),
+        ncols=-(-len(labels) // rows),
         borderaxespad=0.2,
         columnspacing=1.6,
     )

@@ -111,7 +111,7 @@ def plot_time_history(
             own = [series.label for series in panel.series]
             _draw_panel(axes, panel, [order.index(label) for label in own] if n_columns > 1 else None)
             if n_columns == 1 and own != labels and any(own):
-                legend_above(axes, len(panel.series))
+                legend_above(axes)
             labels = labels or own
         if n_columns > 1:
             _legend_of_all(figure, grid.tolist(), order)

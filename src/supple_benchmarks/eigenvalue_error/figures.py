@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from supple.reduction import SearchStep
-from supple.viz.eigenvalue_error import plot_eigenvalue_error
+from supple.viz.error_curves import plot_eigenvalue_error
 from supple_benchmarks.eigenvalue_error.run import BodyResult
 
 __all__ = ["draw_figures"]

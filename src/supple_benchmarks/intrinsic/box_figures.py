@@ -71,10 +71,10 @@ def _draw_vibration(report: Mapping[str, Any], path: Path) -> Path:
     for rank, name in enumerate("xyz"):
         draw_curve(upper, times, tip[:, rank] / LENGTH, SOLID, rank, f"along {name}")
     upper.set_ylabel("tip / length")
-    legend_above(upper, 3)
+    legend_above(upper)
     for rank, one in enumerate(report["amplitudes"]):
         draw_curve(lower, times, np.array(one["q2"]), SOLID, rank, f"{one['mode']}, {one['kind']}")
     lower.set_ylabel("amplitude $q_2$")
     lower.set_xlabel("time")
-    legend_above(lower, len(report["amplitudes"]))
+    legend_above(lower)
     return save_figure(figure, path)

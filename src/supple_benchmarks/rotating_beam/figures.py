@@ -12,7 +12,7 @@ from supple.quantities.tracked_motion import node_positions
 from supple.results.camera import Camera
 from supple.units import SI
 from supple.viz.animation import Traces, animate
-from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
+from supple.viz.error_curves import plot_error_over_parameter, plot_rms_error
 from supple.viz.style import REFERENCE, SOLID
 from supple.viz.time_history import Panel, Series, plot_time_history
 from supple_benchmarks.progress import Progress

@@ -1,13 +1,15 @@
-"""Plots of errors of reduced models: over time, and over a parameter of the load case."""
+"""Plots of errors of reduced models on a logarithmic axis: over time, a parameter, or the eigenvalues."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
@@ -15,7 +17,8 @@ from supple.results.error_measures import MotionError
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import (
     COLOURS,
-    SOLID,
+    INK,
+    REFERENCE,
     Stroke,
     draw_curve,
     legend_above,
@@ -24,9 +27,10 @@ from supple.viz.style import (
     textbook_style,
 )
 
-__all__ = ["plot_error_over_parameter", "plot_rms_error"]
+__all__ = ["plot_eigenvalue_error", "plot_error_over_parameter", "plot_rms_error"]
 
 Bounds = Mapping[str, float]
+_MARKERS = "osD^vP"
 
 
 def plot_rms_error(
@@ -50,17 +54,12 @@ def plot_rms_error(
     """
     if not errors:
         raise ModelError(f"cannot draw {path}: give at least one error over time")
-    with textbook_style():
-        figure = new_figure(height=3.1)
-        axes = figure.subplots()
+    with _error_axes(labelled("time", units.time), labelled("RMS error", units.length)) as (figure, axes):
         for rank, (label, error) in enumerate(errors.items()):
-            draw_curve(axes, error.times, drawable(error.rms, label), Stroke(width=1.1), rank, label)
-        axes.set_yscale("log")
+            draw_curve(axes, error.times, _drawable(error.rms, label), Stroke(width=1.1), rank, label)
         _draw_bounds(axes, published, list(errors))
         axes.set_xlim(min(e.times[0] for e in errors.values()), max(e.times[-1] for e in errors.values()))
-        axes.set_xlabel(labelled("time", units.time))
-        axes.set_ylabel(labelled("RMS error", units.length))
-        legend_above(axes, len(errors))
+        legend_above(axes)
         return save_figure(figure, path)
 
 
@@ -86,25 +85,75 @@ def plot_error_over_parameter(
     """
     if not errors:
         raise ModelError(f"cannot draw {path}: give at least one error")
-    with textbook_style():
-        figure = new_figure(height=3.1)
-        axes = figure.subplots()
+    with _error_axes(parameter_label, error_label) as (figure, axes):
         for rank, (label, values) in enumerate(errors.items()):
             if len(values) != len(parameter):
                 raise ModelError(
                     f"error '{label}': {len(values)} values for {len(parameter)} {parameter_label}"
                 )
-            marked = Stroke(colour=SOLID.colour, marker="osD^vP"[rank % 6])
-            draw_curve(axes, parameter, drawable(values, label), marked, rank, label)
-        axes.set_yscale("log")
+            marked = Stroke(marker=_MARKERS[rank % len(_MARKERS)])
+            draw_curve(axes, parameter, _drawable(values, label), marked, rank, label)
         axes.set_xticks(np.asarray(parameter))
-        axes.set_xlabel(parameter_label)
-        axes.set_ylabel(error_label)
-        legend_above(axes, len(errors))
+        legend_above(axes)
         return save_figure(figure, path)
 
 
-def drawable(values: NDArray[np.float64], label: str) -> NDArray[np.float64]:
+def plot_eigenvalue_error(
+    path: Path | str,
+    estimates: Mapping[int, NDArray[np.float64]],
+    tolerance: float,
+    *,
+    exact: Mapping[int, NDArray[np.float64]] | None = None,
+) -> Path:
+    """Draw the error of every eigenvalue for several numbers of retained modes. [Han2020] Fig. 4
+
+    Parameters
+    ----------
+    estimates : {number of modes: (N,)} relative errors, infinite where the reduced body lacks the eigenvalue
+    tolerance : float                   drawn as a dashed line
+    exact     : {number of modes: (N,)} drawn dashed beside the estimates
+
+    Raises
+    ------
+    ModelError          no errors; none of them positive and finite
+    ResultFileError     the file cannot be written
+    """
+    if not estimates:
+        raise ModelError(f"cannot draw {path}: give the errors for at least one number of modes")
+    with _error_axes("elastic eigenvalue", "relative error", height=3.3) as (figure, axes):
+        for rank, (n_kept, errors) in enumerate(estimates.items()):
+            label, numbers = f"{n_kept} modes", np.arange(1, len(errors) + 1)
+            marked = Stroke(width=1.1, marker=_MARKERS[rank % len(_MARKERS)])
+            draw_curve(axes, numbers, _drawable(errors, label), marked, rank, label)
+        for n_kept, errors in (exact or {}).items():
+            label, numbers = f"{n_kept} modes, exact", np.arange(1, len(errors) + 1)
+            draw_curve(axes, numbers, _drawable(errors, label), REFERENCE, 0, label)
+        axes.axhline(tolerance, color=INK, linewidth=0.9, dashes=(1.5, 1.5))
+        axes.annotate(
+            f"tolerance {100 * tolerance:g} %",
+            (0.0, tolerance),
+            xycoords=axes.get_yaxis_transform(),
+            xytext=(3.0, 2.0),
+            textcoords="offset points",
+            fontsize=7.5,
+        )
+        legend_above(axes)
+        return save_figure(figure, path)
+
+
+@contextmanager
+def _error_axes(abscissa: str, ordinate: str, *, height: float = 3.1) -> Iterator[tuple[Figure, Axes]]:
+    """Axes for errors on a logarithmic scale, in the style of the library within the block."""
+    with textbook_style():
+        figure = new_figure(height)
+        axes = figure.subplots()
+        axes.set_yscale("log")
+        axes.set_xlabel(abscissa)
+        axes.set_ylabel(ordinate)
+        yield figure, axes
+
+
+def _drawable(values: NDArray[np.float64], label: str) -> NDArray[np.float64]:
     """Values with gaps where a logarithmic axis cannot show them, as at an exact start."""
     drawn = np.where(np.isfinite(values) & (np.asarray(values) > 0.0), values, np.nan)
     if np.isnan(drawn).all():
