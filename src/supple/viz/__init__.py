@@ -21,9 +21,9 @@ from supple.viz.mode_shapes import *
 from supple.viz.response_errors import *
 from supple.viz.rest_and_mode_pictures import *
 from supple.viz.run_animation import *
+from supple.viz.run_curves import plot_readings as plot_readings
 from supple.viz.run_pictures import *
 from supple.viz.scene import *
 from supple.viz.self_correction import *
-from supple.viz.sensor_plot import *
 from supple.viz.style import *
 from supple.viz.time_history import *

@@ -1,4 +1,4 @@
-"""Curves of a run over time: energies, tracked places, forces of joints."""
+"""Curves of a run over time: sensors, energies, tracked places, forces of joints."""
 
 from __future__ import annotations
 
@@ -8,21 +8,47 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arguments import checked_arguments
 from supple.integrate import Solution
 from supple.machine import System
 from supple.methods.explicit import ENERGIES, Energies
-from supple.quantities import TrackedMotion, joint_loads
+from supple.quantities import QuantityKind, Reading, TrackedMotion, joint_loads
 from supple.results import without_noise
-from supple.units import UnitSystem, labelled
+from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import as_written
 from supple.viz.time_history import NOISE, Panel, Series, plot_time_history
 
-__all__ = ["draw_energies", "draw_joint_forces", "draw_tracked"]
+__all__ = ["draw_energies", "draw_joint_forces", "draw_tracked", "plot_readings"]
 
 Array = NDArray[np.float64]
 
 _APART = 5.0
 """Places share a panel if their common range is at most this multiple of the largest range of one place."""
+
+
+@checked_arguments
+def plot_readings(path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Path:
+    """Draw the channels of every sensor over time, one panel for each quantity of a sensor.
+
+    Raises
+    ------
+    ModelError          no reading
+    ResultFileError     the file cannot be written
+    """
+    panels = []
+    for each in readings:
+        for quantity in dict.fromkeys(channel.quantity for channel in each.channels):
+            panels.append(Panel(labelled(each.name, quantity.unit(units)), _curves(each, quantity)))
+    return plot_time_history(path, panels, units=units)
+
+
+def _curves(reading: Reading, quantity: QuantityKind) -> list[Series]:
+    columns = zip(reading.channels, reading.values.T, strict=True)
+    return [
+        Series(channel.name or reading.name, reading.times, column)
+        for channel, column in columns
+        if channel.quantity is quantity
+    ]
 
 
 def draw_energies(path: Path, solution: Solution, units: UnitSystem) -> Path:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.errors import ModelError
 from supple.units import UNNAMED, UnitSystem, labelled
@@ -102,11 +102,9 @@ def _draw_rounds(axes: Axes, errors: RoundErrors) -> None:
     if np.isfinite(np.asarray(errors.true)).any():
         curves["true error"] = (np.asarray(errors.true), Stroke(marker="x", dashes=(4.0, 2.0)))
     for rank, (label, (values, stroke)) in enumerate(curves.items()):
-        draw_curve(axes, errors.sizes, _positive(np.asarray(values)), stroke, rank, label)
+        numbers = np.asarray(values)
+        # A logarithmic axis cannot show other values.
+        drawn = np.where(np.isfinite(numbers) & (numbers > 0), numbers, np.nan)
+        draw_curve(axes, errors.sizes, drawn, stroke, rank, label)
     axes.set_yscale("log")
     axes.set_xticks(np.asarray(errors.sizes))
-
-
-def _positive(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values with gaps where a logarithmic axis cannot show them."""
-    return np.where(np.isfinite(values) & (values > 0), values, np.nan)
