@@ -13,6 +13,7 @@ from supple.cases import drawing_process
 from supple.cases.drawing import Drawing
 from supple.cases.drawing_process import DrawingProcess
 from supple.cases.notify import silent
+from supple.cases.output import Output
 from supple.integrate import FixedStep, Run
 from supple.machine import GROUND, At, Placed, Revolute, System
 from supple.simulation import simulate
@@ -31,9 +32,8 @@ def swing():
 def drawing(swing, tmp_path):
     errors = {"estimated_error": 1e-3, "indicator": 2e-3, "allowed": 5e-4}
     rounds = [{"body": "rod", "size": size, **errors} for size in (4, 8)]
-    return Drawing(
-        tmp_path, *swing, {}, {}, {}, None, {}, UNNAMED, pictures=True, animation=True, rounds=rounds
-    )
+    output = Output()
+    return Drawing(tmp_path, *swing, {}, {}, {}, None, {}, UNNAMED, output, rounds)
 
 
 @pytest.fixture
@@ -66,7 +66,7 @@ def test_what_a_killed_process_has_left_is_drawn_here(drawing, worth, tmp_path):
     with DrawingProcess() as beside:
         beside.begin(lambda: drawing)
         os.kill(beside._process.pid, signal.SIGKILL)
-        beside.finish(replace(drawing, pictures=False), silent)
+        beside.finish(replace(drawing, output=Output(pictures=False)), silent)
     assert {path.name for path in tmp_path.iterdir()} == {"motion.gif"}
 
 
@@ -74,7 +74,7 @@ def test_what_cannot_be_sent_is_drawn_here(drawing, worth, tmp_path):
     with DrawingProcess() as beside:
         beside.begin(lambda: replace(drawing, bases={"bob": lambda: None}))
         assert beside._process is None
-        beside.finish(replace(drawing, pictures=False), silent)
+        beside.finish(replace(drawing, output=Output(pictures=False)), silent)
     assert {path.name for path in tmp_path.iterdir()} == {"motion.gif"}
 
 

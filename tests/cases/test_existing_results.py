@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from supple.cases import read_case
-from supple.cases.existing_results import refuse_overwrite, result_path
 from supple.cases.explicit_parts import ExplicitPart
+from supple.cases.run_files import refuse_overwrite, result_path
 from supple.error import ROUNDS_FOLDER
 from supple.errors import ModelError, ResultFileError
 from supple.storage import ResultFile

@@ -34,7 +34,7 @@ from supple.quantities import Place, Quantity, QuantityOfInterest
 from supple.reduction import BodyModes, body_modes
 from supple.results.run_summary import N_DRAWN_MODES
 from supple.simulation.full_rest import known_fulls
-from supple.storage.run_inputs import Inputs
+from supple.storage.run_inputs import FILE, Inputs
 from supple.units import UnitSystem
 
 __all__ = ["Case"]
@@ -395,6 +395,21 @@ class Case:
             elif any(kind.dimension > 1 for kind in mesh.cells):
                 found[name] = mesh
         return found
+
+    @property
+    def page_looks(self) -> Mapping[str, Mesh | FiniteElementModel]:
+        """Geometry of the bodies in a report, as in pictures, but with lines for beams of unknown section."""
+        return {**self.meshes, **{name: look for name, look in self.drawn.items() if look is not None}}
+
+    def coloured_elements(self, system: System) -> Mapping[str, FiniteElementModel] | None:
+        """Elements whose stress colours bodies; None unless the case selects it or a body has no frame."""
+        framed = all(placed.body.has_frame for placed in system.bodies)
+        return self.elements if self.tables.output.colour == "von-mises" or not framed else None
+
+    def texts(self, inputs: Inputs) -> dict[str, str]:
+        """The text of the case file as it was read, and digests in `inputs` of the files that it names."""
+        listed = [f"{name}  {value}" for name, value in inputs.items() if name.startswith(FILE)]
+        return {self.path.name: self.text} | ({"files that it names": "\n".join(listed)} if listed else {})
 
     def _check_stress(self) -> None:
         """Raise CaseError, before the run, if bodies to be coloured have no stress.

@@ -10,7 +10,7 @@ from typing import Any
 
 from supple.cases.case import Case
 from supple.cases.notify import silent
-from supple.cases.run_page import coloured_elements
+from supple.cases.output import Output
 from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
@@ -18,8 +18,7 @@ from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.quantities import TrackedMotion
 from supple.reduction import BodyModes, ReducedBody
-from supple.results.film import WHOLE_RUN, Film, film_rows
-from supple.results.view import AS_IT_IS, View
+from supple.results.film import film_rows
 from supple.units import UnitSystem
 
 __all__ = ["ROUNDS_PICTURE", "Drawing", "check_drawing", "drawing_of"]
@@ -29,12 +28,10 @@ ROUNDS_PICTURE = "self_correction.png"
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Pictures and an animation of a run, with the settings of its case; fields as for `draw_run`.
+    """Pictures and an animation of a run; fields as for `draw_run`.
 
-    pictures, animation : whether they are drawn
+    output : of the case, which selects what is drawn, and how
     rounds : rounds of a self-correction, from `correction_numbers`; drawn with the pictures if there are any
-    colour : quantity that colours the animation
-    format : format of the animation's file, gif or mp4
     """
 
     folder: Path
@@ -46,13 +43,8 @@ class Drawing:
     elements: Mapping[str, FiniteElementModel] | None
     bases: Mapping[str, At]
     units: UnitSystem
-    pictures: bool
-    animation: bool
+    output: Output
     rounds: Sequence[Mapping[str, Any]] = ()
-    colour: str = "deflection"
-    view: View = AS_IT_IS
-    film: Film = WHOLE_RUN
-    format: str = "gif"
 
     def draw(self, progress: StepProgress = silent) -> None:
         """Draw the pictures and the animation into the folder."""
@@ -60,8 +52,8 @@ class Drawing:
         from supple.results.colouring import PLASTIC_STRAIN
         from supple.viz import animate_run, draw_run, plot_rounds
 
-        run = (self.system, self.solution, self.meshes)
-        if self.pictures:
+        run, output = (self.system, self.solution, self.meshes), self.output
+        if output.pictures:
             progress("drawing pictures", 0.0)
             draw_run(
                 self.folder,
@@ -70,21 +62,21 @@ class Drawing:
                 modes=self.modes,
                 elements=self.elements,
                 bases=self.bases,
-                view=self.view,
+                view=output.view,
                 units=self.units,
             )
             if self.rounds:
                 plot_rounds(self.folder / ROUNDS_PICTURE, self.rounds, units=self.units)
             progress("drawing pictures", 1.0)
-        if self.animation:
+        if output.animation:
             animate_run(
-                self.folder / f"motion.{self.format}",
+                self.folder / f"motion.{output.film.format}",
                 *run,
                 elements=self.elements,
-                colouring=PLASTIC_STRAIN if self.colour == "plastic-strain" else None,
+                colouring=PLASTIC_STRAIN if output.colour == "plastic-strain" else None,
                 bases=self.bases,
-                film=self.film,
-                view=self.view,
+                film=output.film.build(),
+                view=output.view,
                 units=self.units,
                 progress=lambda share: progress("drawing the animation", share),
             )
@@ -133,14 +125,9 @@ def drawing_of(
         case.drawn,
         tracked,
         case.held_modes if output.pictures and system.bodies_of(ReducedBody) else {},
-        coloured_elements(case, system),
+        case.coloured_elements(system),
         case.bases,
         case.units,
-        pictures=output.pictures,
-        animation=output.animation,
-        rounds=rounds,
-        colour=output.colour,
-        view=output.view,
-        film=output.film.build(),
-        format=output.film.format,
+        output,
+        rounds,
     )

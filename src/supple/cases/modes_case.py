@@ -15,7 +15,6 @@ from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
 from supple.cases.reductions import DEFAULT_ACCURACY
-from supple.cases.run_page import case_texts, page_looks
 from supple.cases.static_case import analysed_system, spin_of
 from supple.equations.build_model import system_length
 from supple.error import MotionOutsideBasis, correct_statically
@@ -93,12 +92,12 @@ def modes_case(
         write_modes_report(
             folder / f"{case.path.stem}-modes.html",
             modes,
-            page_looks(case),
+            case.page_looks,
             tables=mode_tables(numbers),
             chosen=_drawn(modes),
             title=f"{case.title}: modes",
             bases=case.bases,
-            inputs=case_texts(case, case.inputs),
+            inputs=case.texts(case.inputs),
             units=case.units,
         )
     if case.tables.output.pictures or case.tables.output.animation:
@@ -188,7 +187,7 @@ def campbell_case(
             diagram,
             tables=list(speed_tables(diagram, case.units)),
             title=f"{case.title}: Campbell diagram",
-            inputs=case_texts(case, case.inputs),
+            inputs=case.texts(case.inputs),
             units=case.units,
         )
     if case.tables.output.pictures:

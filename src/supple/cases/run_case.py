@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from supple.blas_threads import one_blas_thread
 from supple.cases.case import Case
@@ -14,12 +14,18 @@ from supple.cases.condense import with_sufficient_modes
 from supple.cases.damping import warn_of_ratios
 from supple.cases.drawing import ROUNDS_PICTURE, Drawing, check_drawing, drawing_of
 from supple.cases.drawing_process import DrawingProcess
-from supple.cases.existing_results import readings_paths, refuse_overwrite, report_path, result_path
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import silent
-from supple.cases.outputs import check_outputs
 from supple.cases.result_machine import CASE_FILE, path_from
-from supple.cases.run_page import write_run_page, written_after_the_run
+from supple.cases.run_files import (
+    check_outputs,
+    page_path,
+    readings_paths,
+    refuse_overwrite,
+    report_path,
+    result_path,
+    written_after_the_run,
+)
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
@@ -39,7 +45,7 @@ from supple.simulation.engines import is_explicit
 from supple.storage import write_errors, write_json
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
-from supple.storage.run_inputs import changes
+from supple.storage.run_inputs import Inputs, changes
 
 __all__ = ["CaseResult", "run_case"]
 
@@ -102,31 +108,22 @@ def run_case(
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder), DrawingProcess() as beside, one_blas_thread():
         refuse_overwrite(case, folder, resume=resume, force=force)
-        return _run_case(
-            case,
-            folder,
-            beside,
-            resume=resume,
-            force=force,
-            strict=strict,
-            errors=errors,
-            allow_code=allow_code,
-            progress=progress,
-        )
+        options = _Options(resume, force, strict, errors, allow_code, progress)
+        return _run_case(case, folder, beside, options)
 
 
-def _run_case(
-    case: Case,
-    folder: Path,
-    beside: DrawingProcess,
-    *,
-    resume: bool,
-    force: bool,
-    strict: bool,
-    errors: bool,
-    allow_code: bool,
-    progress: StepProgress,
-) -> CaseResult:
+class _Options(NamedTuple):
+    """The options of `run_case`."""
+
+    resume: bool
+    force: bool
+    strict: bool
+    errors: bool
+    allow_code: bool
+    progress: StepProgress
+
+
+def _run_case(case: Case, folder: Path, beside: DrawingProcess, options: _Options) -> CaseResult:
     warn_of_units(case)
     _warn_of_unused_error(case)
     inputs = case.inputs
@@ -137,7 +134,7 @@ def _run_case(
     for body in reduced_bodies(case.system, case.flexible):
         warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body, case.units)
     rounds: list[Round] = []
-    if not resume:
+    if not options.resume:
         # If this run is interrupted, numbers of an earlier run must not lie beside its motion.
         for path in written_after_the_run(case, folder):
             with file_errors("replace", path):
@@ -159,13 +156,10 @@ def _run_case(
                 "case": case.text,
                 "inputs": inputs,
                 "metadata": _metadata(case, folder),
-                "resume": resume,
-                "overwrite": force,
+                "resume": options.resume,
+                "overwrite": options.force,
             },
-            validity=Validity(strict=strict),
-            errors=errors,
-            allow_code=allow_code,
-            progress=progress,
+            options,
         )
     except SelfCorrectionError:
         _write_report(case, folder, correction_numbers(rounds), {})
@@ -186,19 +180,9 @@ def _run_case(
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_readings(case, folder, readings)
     _write_report(case, folder, result.rounds, result.numbers)
-    write_run_page(
-        case,
-        folder,
-        system,
-        solution,
-        tracked=tracked,
-        readings=readings,
-        numbers=numbers,
-        rounds=result.rounds,
-        inputs=inputs,
-        progress=progress,
-    )
-    beside.finish(drawn(system, solution, tracked), progress)
+    if case.tables.output.report:
+        _write_page(case, folder, result, readings, inputs, options.progress)
+    beside.finish(drawn(system, solution, tracked), options.progress)
     return result
 
 
@@ -259,26 +243,46 @@ def _write_readings(case: Case, folder: Path, readings: Readings) -> None:
         plot_readings(folder / "sensors.png", readings, units=case.units)
 
 
+def _write_page(
+    case: Case, folder: Path, result: CaseResult, readings: Readings, inputs: Inputs, progress: StepProgress
+) -> None:
+    from supple.report import write_report
+
+    progress("writing the report", 0.0)
+    write_report(
+        page_path(folder),
+        result.system,
+        result.solution,
+        case.page_looks,
+        title=case.title,
+        tracked=result.tracked,
+        readings=readings,
+        elements=case.coloured_elements(result.system),
+        bases=case.bases,
+        numbers=result.numbers,
+        rounds=result.rounds,
+        inputs=case.texts(inputs),
+        units=case.units,
+    )
+    progress("writing the report", 1.0)
+
+
 def _simulated(
     case: Case,
     folder: Path,
     rounds: list[Round],
     known: Callable[[System, Solution], None],
     of_file: Mapping[str, Any],
-    *,
-    validity: Validity,
-    errors: bool,
-    allow_code: bool,
-    progress: StepProgress,
+    options: _Options,
 ) -> tuple[System, Solution]:
     """The motion and its system; rounds of a self-correction are appended as they finish.
 
     known : called with system and motion before the error is estimated
     """
-    machine = starting_system(case, allow_code=allow_code)
+    machine = starting_system(case, allow_code=options.allow_code)
     condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}
-    machine = with_sufficient_modes(machine, case.run, condensed, progress)
-    given = (machine, replace(case.run, validity=validity))
+    machine = with_sufficient_modes(machine, case.run, condensed, options.progress)
+    given = (machine, replace(case.run, validity=Validity(strict=options.strict)))
     path = result_path(case.path, folder)
     if case.starts:
         corrected = correct_recorded(
@@ -288,19 +292,21 @@ def _simulated(
             **of_file,
             announce=rounds.append,
             accepted=lambda corrected: known(corrected.system, corrected.solution),
-            progress=progress,
-            study=case.study if errors else None,
+            progress=options.progress,
+            study=case.study if options.errors else None,
         )
         return corrected.system, corrected.solution
 
     def simulating(fraction: float) -> None:
-        progress("compiling and simulating", fraction)
+        options.progress("compiling and simulating", fraction)
 
     simulating(0.0)
     system, solution = simulate_and_store(*given, path, case.made_here, **of_file, progress=simulating)
-    if errors and not is_explicit(system, case.run):
+    if options.errors and not is_explicit(system, case.run):
         known(system, solution)
-        solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)
+        solution = state_errors(
+            system, case.run, solution, case.study, fulls=case.fulls, progress=options.progress
+        )
         write_errors(path, solution)
         if solution.stopped is None and case.study.basis:
             _warn_of_unknown_bases(system, solution)

@@ -15,7 +15,6 @@ from supple.cases.continuation import StartState, continued_from
 from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
-from supple.cases.run_page import case_texts, coloured_elements, page_looks
 from supple.error import correct_at_rest
 from supple.errors import CaseError, ControlWarning
 from supple.integrate import StepProgress
@@ -201,12 +200,12 @@ def static_case(
         write_static_report(
             folder / f"{case.path.stem}-static.html",
             found,
-            page_looks(case),
+            case.page_looks,
             numbers,
             title=f"{case.title}: equilibrium",
-            elements=coloured_elements(case, found.system),
+            elements=case.coloured_elements(found.system),
             bases=case.bases,
-            inputs=case_texts(case, case.inputs),
+            inputs=case.texts(case.inputs),
             units=case.units,
         )
     if case.tables.output.pictures:
@@ -217,7 +216,7 @@ def static_case(
             found.system,
             found.solution,
             case.drawn,
-            elements=coloured_elements(case, found.system),
+            elements=case.coloured_elements(found.system),
             bases=case.bases,
             view=case.tables.output.view,
             units=case.units,

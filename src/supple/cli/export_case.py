@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from supple.cases import Case, read_case
-from supple.cases.outputs import check_not_an_input
+from supple.cases.run_files import check_not_an_input
 from supple.cases.static_case import assembled_system
 from supple.cli.chosen_body import chosen_body
 from supple.cli.export import ExportOptions

@@ -12,8 +12,8 @@ import numpy as np
 from supple.cases import Case, read_case
 from supple.cases.case_family import case_family
 from supple.cases.notify import Notify
-from supple.cases.outputs import check_not_an_input
 from supple.cases.result_machine import result_machine
+from supple.cases.run_files import check_not_an_input
 from supple.cases.static_case import starting_system
 from supple.cli.export import ExportOptions
 from supple.errors import ArgumentError, CaseError, did_you_mean

@@ -7,7 +7,7 @@ from typing import Any
 
 from supple.cases import read_case
 from supple.cases.modes_case import mode_case
-from supple.cases.outputs import check_not_an_input
+from supple.cases.run_files import check_not_an_input
 from supple.cli.export import ExportOptions
 from supple.errors import ArgumentError
 from supple.export import write_vtkhdf, write_vtu

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.cases.outputs import check_not_an_input
 from supple.cases.result_machine import ResultMachine, result_machine
 from supple.cases.result_tables import recorded_quantities
+from supple.cases.run_files import check_not_an_input
 from supple.cli.export import ExportOptions
 from supple.errors import ArgumentError, ModelError, ResultFileError
 from supple.export import TABLE_SUFFIXES, write_readings, write_vtkhdf, write_vtu

@@ -13,7 +13,7 @@ from scipy.linalg import block_diag
 
 from supple.body import BodyForm, RayleighDamping
 from supple.cases import Case, read_case
-from supple.cases.outputs import check_not_an_input
+from supple.cases.run_files import check_not_an_input
 from supple.cases.static_case import assembled_system
 from supple.cli.chosen_body import chosen_body
 from supple.cli.export import ExportOptions

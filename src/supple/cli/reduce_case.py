@@ -6,7 +6,7 @@ from pathlib import Path
 
 from supple.blas_threads import one_blas_thread
 from supple.cases import read_case
-from supple.cases.outputs import check_not_an_input
+from supple.cases.run_files import check_not_an_input
 from supple.errors import CaseError
 from supple.results import body_numbers, unit_names
 from supple.results.descriptions import describe_reduction

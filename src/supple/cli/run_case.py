@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple import cases
-from supple.cases.existing_results import stored_so_far
+from supple.cases.run_files import stored_so_far
 from supple.cli.shown_case import shown_case, stated_interruption
 from supple.error import SelfCorrectionError, correction_numbers
 from supple.results.explicit_numbers import explicit_cost_line

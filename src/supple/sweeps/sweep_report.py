@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
-from supple.cases.run_page import coloured_elements, page_looks
 from supple.integrate import Progress
 from supple.quantities import read_sensors, tracked_places
 from supple.report import (
@@ -151,11 +150,11 @@ def _write_case_report(folder: Path, number: int, target: Path, varied: str, *, 
         target,
         system,
         solution,
-        page_looks(case),
+        case.page_looks,
         title=f"{case.title or case.path.stem}, case {number}",
         tracked=tracked_places(system, solution, places, case.bases),
         readings=read_sensors(case.sensors, system, solution),
-        elements=coloured_elements(case, system),
+        elements=case.coloured_elements(system),
         bases=case.bases,
         inputs={case.path.name: case.text, "what varies": varied},
         units=case.units,

@@ -1,16 +1,17 @@
-"""Existing results in a case's folder, which are not overwritten unless requested."""
+"""The files of a run: their paths, and checks that none replaces an input or an earlier result unasked."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from supple.cases.case import Case
 from supple.error import ROUNDS_FOLDER, CorrectionFolder
-from supple.errors import ResultFileError
+from supple.errors import CaseError, ResultFileError
+from supple.importers import files_read_with
+from supple.simulation.stored_bodies import stored_path
 from supple.storage import read_header
 from supple.storage.result_file import check_same_run
-
-__all__ = ["readings_paths", "refuse_overwrite", "report_path", "result_path", "stored_so_far"]
 
 
 def result_path(case: Path, folder: Path) -> Path:
@@ -26,6 +27,43 @@ def report_path(case: Case, folder: Path) -> Path:
 def readings_paths(folder: Path) -> tuple[Path, Path]:
     """The files of the sensor readings of a run: a table, and HDF5."""
     return folder / "sensors.csv", folder / "sensors.h5"
+
+
+def page_path(folder: Path) -> Path:
+    """The file of the report of a run."""
+    return folder / "report.html"
+
+
+def written_after_the_run(case: Case, folder: Path) -> tuple[Path, ...]:
+    """The files of numbers that the run of a case writes when it is complete."""
+    readings = readings_paths(folder) if case.tables.sensor else ()
+    page = (page_path(folder),) if case.tables.output.report else ()
+    return report_path(case, folder), *readings, *page
+
+
+def check_outputs(case: Case, folder: Path) -> None:
+    """Raise CaseError if a run of the case in a folder would overwrite its inputs or one of its own files."""
+    result = result_path(case.path, folder)
+    others = {stored_path(folder, name): f"body '{name}'" for name in case.made_here}
+    others |= dict.fromkeys(readings_paths(folder) if case.tables.sensor else (), "the sensors")
+    if result in others:
+        raise CaseError(
+            f"{case.path}: the result file and the file of {others[result]} would both be {result}; give "
+            "the case file another name"
+        )
+    check_not_an_input(case, [result, report_path(case, folder), page_path(folder), *others])
+
+
+def check_not_an_input(case: Case, targets: Sequence[Path]) -> None:
+    """Raise CaseError if a file to be written is the case file, or one that it names or includes."""
+    named = [case.folder / name for name in case.files]
+    read = {path.resolve() for each in named for path in files_read_with(each)} | {case.path.resolve()}
+    for target in targets:
+        if target.resolve() in read:
+            raise CaseError(
+                f"cannot write {target}: it is an input of {case.path} and would be lost; write to another "
+                "folder or file (-o)"
+            )
 
 
 def stored_so_far(case: Path, folder: Path) -> str:
