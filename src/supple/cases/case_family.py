@@ -11,11 +11,9 @@ from typing import Any
 from supple.body import BodyForm
 from supple.cases.case import Case
 from supple.cases.case_tables import CaseTables, broken_rules, files_named
-from supple.cases.machine_file import with_machine
 from supple.cases.notify import Notify, silent
 from supple.cases.parameter_path import with_value
-from supple.cases.read_case import raw_tables, read_case, values_beyond_any_use
-from supple.cases.reduced_file import with_interfaces_of_files
+from supple.cases.read_case import completed, raw_tables, read_case, values_beyond_any_use
 from supple.errors import CaseError
 from supple.importers.toml import UNKNOWN_KEY, KeyPath, Raw, checked, index_lines, listed_mistakes
 
@@ -86,6 +84,4 @@ def case_family(path: Path) -> CaseFamily:
     """The family of a case file; CaseError for one with mistakes."""
     family = CaseFamily(path, *raw_tables(path))
     _ = family.case
-    raw, _ = with_machine(family.raw, path.parent)
-    raw, _ = with_interfaces_of_files(raw, path.parent)
-    return CaseFamily(path, family.text, raw)
+    return CaseFamily(path, family.text, completed(family.raw, path.parent)[0])

@@ -130,7 +130,7 @@ def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
 def _files_exist(raw: Raw, folder: Path) -> Mistakes:
     for path, name in files_named(raw):
         if path[-1] == "reduced":
-            continue  # `with_interfaces_of_files` reports it
+            continue  # `completed` in `read_case` reports it
         if isinstance(name, str) and not is_file(folder / name):
             yield path, f"there is no file {folder / name}; file names are relative to the case file"
 

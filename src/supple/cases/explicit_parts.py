@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Annotated, Literal
+
 import numpy as np
 from pydantic import Field
 
 from supple.body import FlexibleBody, LinearRayleighDamping
-from supple.cases import material_laws
 from supple.cases.body_kinds import is_explicit_table, kind_of
-from supple.cases.material_laws import MaterialLaw, StVenantKirchhoffLaw
 from supple.errors import ModelError
-from supple.fem import FiniteElementModel
+from supple.fem import FiniteElementModel, Isotropic
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, table
 from supple.methods.explicit import (
     BulkViscosity,
@@ -18,11 +18,16 @@ from supple.methods.explicit import (
     ExplicitShell,
     ExplicitSubdomain,
     J2Plasticity,
+    LinearHardening,
     ModalSubdomain,
+    NeoHookean,
+    PowerHardening,
+    StVenantKirchhoff,
     explicit_shell,
     explicit_subdomain,
     modal_subdomain,
 )
+from supple.methods.explicit.materials import Law
 from supple.methods.explicit.modal_stress import isotropic_materials
 from supple.reduction import NormalModes, Rubin
 
@@ -56,6 +61,47 @@ class ModalPart(CheckedTable):
             stiffening=CentrifugalStiffness() if self.spin_stiffness else None,
             yield_stress=self.yield_stress,
         )
+
+
+class StVenantKirchhoffLaw(CheckedTable):
+    """Elastic, linear in the Green-Lagrange strain: for small strains."""
+
+    kind: Literal["st-venant-kirchhoff"]
+
+    def build(self, elastic: Isotropic) -> Law:
+        """The law with the elastic constants of a material."""
+        return StVenantKirchhoff(elastic)
+
+
+class NeoHookeanLaw(CheckedTable):
+    """Elastic, for large strains; resists the inversion of elements."""
+
+    kind: Literal["neo-hookean"]
+
+    def build(self, elastic: Isotropic) -> Law:
+        """The law with the elastic constants of a material."""
+        return NeoHookean(elastic)
+
+
+class J2Law(CheckedTable):
+    """A metal with plasticity: sigma_y = yield_stress + modulus eps_p, or + factor eps_p^exponent."""
+
+    kind: Literal["j2"]
+    yield_stress: Positive = Field(description="initial yield stress, force per area")
+    modulus: NonNegative | None = Field(
+        None, description="modulus of linear hardening, force per area; default 0"
+    )
+    factor: NonNegative | None = Field(None, description="factor of power hardening, force per area")
+    exponent: float | None = Field(None, gt=0.0, le=1.0, description="exponent of power hardening")
+
+    def build(self, elastic: Isotropic) -> Law:
+        """The law with the elastic constants of a material."""
+        if self.factor is not None and self.exponent is not None:
+            return J2Plasticity(elastic, PowerHardening(self.yield_stress, self.factor, self.exponent))
+        return J2Plasticity(elastic, LinearHardening(self.yield_stress, self.modulus or 0.0))
+
+
+MaterialLaw = Annotated[StVenantKirchhoffLaw | NeoHookeanLaw | J2Law, Field(discriminator="kind")]
 
 
 class Viscosity(CheckedTable):
@@ -168,4 +214,14 @@ def _keys_have_an_effect(path: KeyPath, body: Raw) -> Mistakes:
             yield (*path, "explicit", key), f'an elastic shell has no {key}; give it a law of kind "j2"'
 
 
-RULES_OF_BODY = (_marches_one_way, _keys_have_an_effect, *material_laws.RULES_OF_PART)
+def _hardens_one_way(path: KeyPath, body: Raw) -> Mistakes:
+    law = table(table(body, "explicit"), "law")
+    given = [key for key in ("factor", "exponent") if key in law]
+    place = (*path, "explicit", "law")
+    if len(given) == 1:
+        yield place, f"power hardening needs factor and exponent; this law has {given[0]} alone"
+    if given and "modulus" in law:
+        yield (*place, "modulus"), "a law hardens by modulus, or by factor and exponent; remove one of them"
+
+
+RULES_OF_BODY = (_marches_one_way, _keys_have_an_effect, _hardens_one_way)

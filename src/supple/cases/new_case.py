@@ -10,12 +10,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.cases.new_machine_case import machine_case
 from supple.cases.result_machine import path_from
 from supple.errors import ArgumentError
 from supple.importers import DECK_SUFFIXES, is_section_file, read_deck, read_mesh, read_section_table
 from supple.importers.deck import Deck, IsotropicMaterial
-from supple.machine import MUJOCO_SUFFIXES
+from supple.machine import (
+    MUJOCO_SUFFIXES,
+    Cylindrical,
+    Prismatic,
+    Revolute,
+    features_not_read,
+    read_mujoco,
+)
 from supple.mesh import CellType, Mesh
 from supple.storage.file_errors import file_errors
 from supple.units import UnitSystem
@@ -57,7 +63,7 @@ def write_new_case(mesh_file: Path, path: Path) -> None:
         raise ArgumentError(f"{path} exists already: give another name (-o), or remove it")
     name, named = re.sub(r"[^\w-]", "_", mesh_file.stem), path_from(path.parent, mesh_file)
     if mesh_file.suffix.lower() in MUJOCO_SUFFIXES:
-        text = machine_case(name, named, mesh_file)
+        text = _machine_case(name, named, mesh_file)
     else:
         text = _case(name, named, _read(mesh_file))
     with file_errors("write", path):
@@ -302,3 +308,62 @@ def _output(name: str, model: _Model) -> str:
     """The table [output], which tracks the tip or a set apart from the clamped one; empty without them."""
     place = "tip" if model.ends is not None else model.tracked
     return f'\n[output]\ntrack = ["{name}.{place}"]\n' if place else ""
+
+
+def _machine_case(name: str, named: str, file: Path) -> str:
+    """Text of a case of the machine in a URDF or MJCF file, which the case names `named`."""
+    left = features_not_read(file)
+    machine = read_mujoco(file, leave_out=left)
+    joints = [each for each in machine.joints if isinstance(each, Revolute | Prismatic | Cylindrical)]
+    lines = ["", "# Its bodies and joints: supple info of this file."]
+    if left:
+        words = ", ".join(f'"{each}"' for each in left)
+        lines[:0] = [
+            f"leave_out = [{words}]   # GUESS: parts of the file that affect its motion and are not read"
+        ]
+    for joint in joints[:1]:
+        kind = "slide-servo" if isinstance(joint, Prismatic) else "angle-servo"
+        axis = ", ".join(f"{each:.6g}" for each in joint.axis)
+        lines += [
+            "",
+            "# A drive, one for each joint; joints without a drive move freely:",
+            "# [[element]]",
+            f'# kind = "{kind}"',
+            f'# name = "{joint.name} drive"',
+            f'# first = "{joint.first}"',
+            f'# second = "{joint.second}"',
+            f"# axis = [{axis}]",
+            '# law = { kind = "ramp", value = 0.5, duration = 1.0 }',
+            "# stiffness = 100.0",
+            "# damping = 10.0",
+        ]
+    more, body = "\n".join(lines), machine.bodies[-1].body.name
+    return f"""\
+# The machine of {named}. Check the lines marked GUESS.
+
+title = "{name}"
+units = {{ length = "m", mass = "kg", time = "s" }}
+
+[machine]
+mujoco = "{named}"
+{more}
+
+# A flexible body or further interfaces for a body of the file:
+# [[body]]
+# name = "{body}"
+# interface = [{{ name = "tool", position = [0.1, 0.0, 0.0] }}]
+{"".join(_joint_sensor(joint.name) for joint in joints)}
+[simulation]
+duration = 1.0       # GUESS
+output_step = 0.01   # GUESS: at least ten per period of the motion of interest
+step = 0.001         # GUESS: compare with half of it
+"""
+
+
+def _joint_sensor(joint: str) -> str:
+    return f"""
+[[sensor]]
+name = "{joint}"
+kind = "joint-motion"
+joint = "{joint}"
+"""

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 from supple.arguments import checked_arguments
 from supple.cases.case import Case
 from supple.cases.case_tables import CaseTables, broken_rules
-from supple.cases.machine_file import with_machine
+from supple.cases.machine_file import Mistake, with_machine
 from supple.cases.notify import Notify, silent
-from supple.cases.reduced_file import with_interfaces_of_files
-from supple.errors import CaseError, SuppleError
+from supple.errors import CaseError, ResultFileError, SuppleError
 from supple.importers.plain_number import LARGEST_INTEGER
 from supple.importers.toml import (
     CheckedTable,
@@ -24,6 +23,7 @@ from supple.importers.toml import (
     index_lines,
     listed_mistakes,
 )
+from supple.storage import read_interface_names
 
 __all__ = ["read_case"]
 
@@ -50,12 +50,11 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
     """
     path = Path(path)
 
-    def completed(raw: Raw) -> tuple[Raw, Sequence[tuple[KeyPath, str]]]:
-        raw, of_machine = with_machine(raw, path.parent)
-        raw, mistakes = with_interfaces_of_files(raw, path.parent)
-        return raw, [*of_machine, *mistakes, *broken_rules(raw, path.parent)]
+    def checked_by_rules(raw: Raw) -> tuple[Raw, list[Mistake]]:
+        raw, mistakes = completed(raw, path.parent)
+        return raw, [*mistakes, *broken_rules(raw, path.parent)]
 
-    text, tables, lines = checked_file(path, CaseTables, completed)
+    text, tables, lines = checked_file(path, CaseTables, checked_by_rules)
     unusable = list(_unusable_parts(tables, path.parent))
     if unusable:
         raise CaseError(listed_mistakes(path, lines, unusable))
@@ -66,7 +65,40 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
     return Case(path, text, tables, lines, notify)
 
 
-def _unusable_parts(tables: CaseTables, folder: Path) -> Iterator[tuple[KeyPath, str]]:
+def completed(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
+    """The raw case with the machine and the interfaces that its files contain, and the mistakes in them."""
+    raw, of_machine = with_machine(raw, folder)
+    raw, mistakes = _with_interfaces_of_files(raw, folder)
+    return raw, [*of_machine, *mistakes]
+
+
+def _with_interfaces_of_files(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
+    """The raw case with the interfaces of reduced bodies added from their files, and the mistakes found.
+
+    Joints and loads at these interfaces are then checked like all others.
+    """
+    bodies, mistakes = raw.get("body"), []
+    if not isinstance(bodies, list):
+        return raw, mistakes
+    completed = list(bodies)
+    for number, body in enumerate(bodies):
+        if not (isinstance(body, Mapping) and isinstance(body.get("reduced"), str)):
+            continue
+        path: KeyPath = ("body", number)
+        if "interface" in body:
+            mistakes.append(
+                ((*path, "interface"), "the file of a reduced body has its interfaces; remove these")
+            )
+        try:
+            names = read_interface_names(folder / body["reduced"])
+        except ResultFileError as error:
+            names = ()
+            mistakes.append(((*path, "reduced"), str(error)))
+        completed[number] = {**body, "interface": [{"name": name} for name in names]}
+    return {**raw, "body": completed}, mistakes
+
+
+def _unusable_parts(tables: CaseTables, folder: Path) -> Iterator[Mistake]:
     """Errors in the numbers of joints, springs and elements; no mesh is needed to find them."""
     for section in ("joint", "spring", "element"):
         for number, each in enumerate(getattr(tables, section)):
@@ -79,7 +111,7 @@ def _unusable_parts(tables: CaseTables, folder: Path) -> Iterator[tuple[KeyPath,
 def checked_file(
     path: Path,
     root: type[_Root],
-    completed: Callable[[Raw], tuple[Raw, Sequence[tuple[KeyPath, str]]]],
+    completed: Callable[[Raw], tuple[Raw, Sequence[Mistake]]],
 ) -> tuple[str, _Root, LineIndex]:
     """The text of a case file, its tables, and their lines.
 
@@ -153,7 +185,7 @@ def _depth(raw: dict[str, Any]) -> int:
     return depth
 
 
-def values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
+def values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[Mistake]:
     """Path and message of each integer beyond 64 bits and each finite float of magnitude above `LARGEST`."""
     if isinstance(value, dict | list):
         for key, item in value.items() if isinstance(value, dict) else enumerate(value):

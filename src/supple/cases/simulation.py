@@ -8,10 +8,18 @@ from pydantic import Discriminator, Field, Tag
 
 from supple.cases.body_kinds import is_explicit_table
 from supple.cases.continuation import StartState
-from supple.cases.explicit_method import ExplicitMethod
-from supple.cases.table import Key, table_of
+from supple.cases.table import Key, Made, OneOf, table_of
 from supple.importers.toml import WORD_OR_TABLE, CheckedTable, Mistakes, Positive, Raw, table, tables
 from supple.integrate import MOST_OUTPUT_TIMES, AdaptiveStep, FixedStep, GeneralizedAlpha, Kinematic, Run
+from supple.methods.explicit import (
+    ExactLinks,
+    Explicit,
+    LaggedGyroscopicForce,
+    NoGyroscopicForce,
+    PredictedLinks,
+    ProjectedDifference,
+    PublishedScheme,
+)
 
 _TOLERANCE = "local error allowed per step, relative to the system's size"
 
@@ -26,6 +34,43 @@ class Adaptive(
     )
 ):
     """Steps chosen from the local error."""
+
+
+_LINKS = {"exact": ExactLinks(), "predicted": PredictedLinks()}
+_GYROSCOPIC = {"lagged": LaggedGyroscopicForce(), "none": NoGyroscopicForce()}
+Projected = table_of(ProjectedDifference, "projected")
+Published = table_of(
+    PublishedScheme,
+    "published",
+    links=Key(
+        Literal["exact", "predicted"],
+        "predicted: as in the published program; rotations lose speed",
+        default="exact",
+        through=_LINKS.__getitem__,
+    ),
+    gyroscopic=Key(
+        Literal["lagged", "none"],
+        "lagged: gyroscopic force of the previous half step",
+        default="lagged",
+        through=_GYROSCOPIC.__getitem__,
+    ),
+)
+
+
+class ExplicitMethod(
+    table_of(
+        Explicit,
+        scheme=Key(Annotated[Made, OneOf(Projected, Published)], default=Projected(kind="projected")),
+        safety=Key(Annotated[float, Field(gt=0.0, le=1.0)], "ratio of the step to the stability limit"),
+        largest_ratio=Key(Annotated[int, Field(ge=1)], "largest number of explicit steps per modal step"),
+        interface_loss=Key(
+            Positive,
+            "largest energy lost or gained at the coupling of modal and explicit parts in one output step, "
+            "relative to the energy of the run; above it the ratio is halved and the output step repeated",
+        ),
+    )
+):
+    """Steps of modal parts and of explicit elements."""
 
 
 class Simulation(CheckedTable):
