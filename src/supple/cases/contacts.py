@@ -201,4 +201,4 @@ def _suit_their_parts(raw: Raw) -> Mistakes:
             yield (*path, "continuity"), message
 
 
-RULES = (on_each("contact", _touches_one_thing), on_each("contact", _is_stiff_by_one_key), _suit_their_parts)
+RULES = (on_each("contact", _touches_one_thing, _is_stiff_by_one_key), _suit_their_parts)

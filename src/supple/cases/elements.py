@@ -57,7 +57,7 @@ class Element(Made):
     second: End = Field("ground", description="ground or BODY.INTERFACE")
 
 
-def _element(makes: Any, kind: str, **by_hand: Any) -> Any:
+def _element(makes: type[machine.ForceElement], kind: str, **by_hand: Any) -> Any:
     return table_of(makes, kind, Element, **by_hand)
 
 
@@ -67,13 +67,10 @@ def _in_time(kind: Any, description: str = "") -> Any:
 
 
 def _surface(x: str, y: str, unit_of_x: str, unit_of_y: str, unit: str) -> Any:
-    places = {
-        "x": Key(Numbers, f"{x}, ascending, {unit_of_x}", x),
-        "y": Key(Numbers, f"{y}, ascending, {unit_of_y}", y),
-    }
     return part(
         machine.Surface,
-        **places,
+        x=Key(Numbers, f"{x}, ascending, {unit_of_x}", x),
+        y=Key(Numbers, f"{y}, ascending, {unit_of_y}", y),
         z=Key(Rows, f"a row for each of {x}, a column for each of {y}; {unit}", "values"),
     )
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field
 from scipy.spatial.transform import Rotation
 
@@ -16,10 +18,11 @@ from supple.errors import SuppleError
 from supple.importers.text_file import is_file
 from supple.importers.toml import CheckedTable, KeyPath, Raw
 from supple.machine import (
-    GROUND,
     AngleStop,
     Bushing,
+    ForceElement,
     Joint,
+    Placed,
     SlideStop,
     TorsionSpringDamper,
     Universal,
@@ -66,16 +69,14 @@ def with_machine(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
     for number, body in enumerate(_listed(raw, "body")):
         own = made.pop(str(body.get("name")), None) if isinstance(body, Mapping) else None
         bodies.append(body if own is None else _in_its_place(body, own, ("body", number), mistakes))
-    loads = _with_names(
-        [_spring(load) if isinstance(load, TorsionSpringDamper) else _element(load) for load in system.loads]
-    )
+    loads = _with_names([_load(load) for load in system.loads])
     added = {
         "joint": [_joint(joint) for joint in system.joints],
         "spring": [load for load in loads if load["kind"] == "torsion"],
         "element": [load for load in loads if load["kind"] != "torsion"],
     }
     tables = {section: [*_listed(raw, section), *new] for section, new in added.items()}
-    gravity = {} if "gravity" in raw else {"gravity": [float(g) for g in system.gravity]}
+    gravity = {} if "gravity" in raw else {"gravity": _numbers(system.gravity)}
     return {**raw, **gravity, **tables, "body": [*bodies, *made.values()]}, mistakes
 
 
@@ -84,8 +85,9 @@ def _listed(raw: Raw, section: str) -> Sequence[Any]:
     return given if isinstance(given, list) else []
 
 
-def _body(placed: Any) -> dict[str, Any]:
-    body: RigidBody = placed.body
+def _body(placed: Placed) -> dict[str, Any]:
+    body = placed.body
+    assert isinstance(body, RigidBody)  # a machine file has no others
     return {
         "name": body.name,
         "rigid": {"mass": body.mass, "centre": _numbers(body.centre), "inertia": body.inertia.tolist()},
@@ -143,48 +145,28 @@ def _with_names(loads: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def _spring(spring: TorsionSpringDamper) -> dict[str, Any]:
-    return {
-        "kind": "torsion",
-        "name": f"{_place(spring)} spring",
-        **_ends(spring),
-        "axis": _numbers(spring.axis),
-        "stiffness": spring.stiffness,
-        "damping": spring.damping,
-        "free_angle": spring.rest_angle,
-    }
-
-
-def _element(load: Any) -> dict[str, Any]:
-    """A stop, or the bushing that represents the spring of a slide or ball joint."""
-    common = {**_ends(load), "axis": _numbers(load.axis)}
+def _load(load: object) -> dict[str, Any]:
+    """A torsion spring, a stop, or the bushing that represents the spring of a slide or ball joint."""
     match load:
+        case TorsionSpringDamper():
+            kind, word = "torsion", "spring"
+            own = {"stiffness": load.stiffness, "damping": load.damping, "free_angle": load.rest_angle}
         case AngleStop() | SlideStop():
-            kind = "angle-stop" if isinstance(load, AngleStop) else "slide-stop"
-            limits = {"lower": load.lower, "upper": load.upper, "stiffness": load.penalty.stiffness}
-            return {"kind": kind, "name": f"{_place(load)} stop", **common, **limits}
+            kind, word = "angle-stop" if isinstance(load, AngleStop) else "slide-stop", "stop"
+            own = {"lower": load.lower, "upper": load.upper, "stiffness": load.penalty.stiffness}
         case Bushing():
-            own = {"stiffness": _diagonal(load.stiffness), "damping": _diagonal(load.damping)}
-            offset = {} if load.offset is None else {"offset": _numbers(load.offset)}
-            return {"kind": "bushing", "name": f"{_place(load)} spring", **common, **own, **offset}
-    raise NotImplementedError(f"a machine file has a {type(load).__name__}, which has no table")
+            kind, word = "bushing", "spring"
+            own = {"stiffness": _numbers(np.diag(load.stiffness)), "damping": _numbers(np.diag(load.damping))}
+            own |= {} if load.offset is None else {"offset": _numbers(load.offset)}
+        case _:
+            raise NotImplementedError(f"a machine file has a {type(load).__name__}, which has no table")
+    name = f"{load.second.interface} {word}"
+    return {"kind": kind, "name": name, **_ends(load), "axis": _numbers(load.axis), **own}
 
 
-def _ends(pair: Any) -> dict[str, str]:
-    return {"first": _end(pair.first), "second": _end(pair.second)}
+def _ends(pair: Joint | ForceElement) -> dict[str, str]:
+    return {"first": str(pair.first), "second": str(pair.second)}
 
 
-def _end(end: Any) -> str:
-    return "ground" if end == GROUND else f"{end.body}.{end.interface}"
-
-
-def _place(pair: Any) -> str:
-    return str(pair.second.interface)
-
-
-def _diagonal(matrix: Any) -> list[float]:
-    return [float(row[place]) for place, row in enumerate(matrix)]
-
-
-def _numbers(values: Iterable[float]) -> list[float]:
-    return [float(value) for value in values]
+def _numbers(values: ArrayLike) -> list[float]:
+    return np.asarray(values, dtype=float).tolist()

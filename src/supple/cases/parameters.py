@@ -37,8 +37,4 @@ def _lead_to_numbers(raw: Raw) -> Mistakes:
             )
 
 
-def _names_differ(raw: Raw) -> Mistakes:
-    yield from usable_names(raw, "parameter")
-
-
-RULES = (_lead_to_numbers, _names_differ)
+RULES = (_lead_to_numbers, lambda raw: usable_names(raw, "parameter"))

@@ -75,18 +75,11 @@ class TensorSensor(SensorTable):
                 f"sensor '{self.name}': '{self.at}' is no node set of a body with elements; give such a set"
             )
         made = quantities.StrainSensor if self.kind == "strain" else quantities.StressSensor
-        measure = _tensor_measure(self._component)
-        return made(self.name, body, case.elements[body], nodes, measure, self._over)
-
-    @property
-    def _component(self) -> str:
-        """The component; older files have it in `measure`."""
-        stated = None if self.measure in _OVER else self.measure
-        return self.component or stated or "von-mises"
-
-    @property
-    def _over(self) -> quantities.OverNodes:
-        return _OVER.get(self.measure, quantities.Maximum())
+        # Older files have the component in `measure`.
+        component = self.component or (self.measure if self.measure not in _OVER else "von-mises")
+        measure = _MEASURES.get(component) or quantities.Component(component)
+        over = _OVER.get(self.measure, quantities.Maximum())
+        return made(self.name, body, case.elements[body], nodes, measure, over)
 
 
 _OVER: Mapping[str, quantities.OverNodes] = {
@@ -94,17 +87,13 @@ _OVER: Mapping[str, quantities.OverNodes] = {
     "mean": quantities.Mean(),
     "nearest": quantities.Nearest(),
 }
+_MEASURES: Mapping[str, quantities.TensorMeasure] = {
+    "von-mises": quantities.VonMises(),
+    "principal": quantities.Principal(),
+}
 
 
-def _tensor_measure(component: str) -> quantities.TensorMeasure:
-    own: Mapping[str, quantities.TensorMeasure] = {
-        "von-mises": quantities.VonMises(),
-        "principal": quantities.Principal(),
-    }
-    return own.get(component) or quantities.Component(component)
-
-
-def _sensor(makes: Any, kind: str, **by_hand: Any) -> Any:
+def _sensor(makes: type[quantities.Quantity], kind: str, **by_hand: Any) -> Any:
     return table_of(makes, kind, SensorTable, **by_hand)
 
 
@@ -171,13 +160,11 @@ def _elements_exist(raw: Raw) -> Mistakes:
 
 def _names_differ(raw: Raw) -> Mistakes:
     yield from usable_names(raw, "sensor")
-    named = [
-        (path, each["name"]) for path, each in tables(raw, "sensor") if isinstance(each.get("name"), str)
-    ]
-    for path, name in named:
+    named = {path: each["name"] for path, each in tables(raw, "sensor") if isinstance(each.get("name"), str)}
+    for path, name in named.items():
         if not name.strip():
             yield (*path, "name"), "the name of a sensor is empty; give a name, the heading of its columns"
-        elif reason := name_taken_in_hdf5(name, [other for _, other in named]):
+        elif reason := name_taken_in_hdf5(name, list(named.values())):
             yield (*path, "name"), reason
 
 

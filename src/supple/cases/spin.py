@@ -8,7 +8,7 @@ from pydantic import Field
 
 from supple.cases.shared_rules import axes_with_length
 from supple.cases.table import Key, table_of
-from supple.importers.toml import ZERO, KeyPath, Mistakes, Raw, Vector, table, tables
+from supple.importers.toml import ZERO, Mistakes, Raw, Vector, names, table
 from supple.machine import Spin
 
 _NAMES = Annotated[tuple[str, ...], Field(strict=False)]
@@ -26,21 +26,12 @@ class SpinTable(
     """The steady rotation in `supple static`, in `supple modes`, and of runs that start in equilibrium."""
 
 
-def _spin_has_an_axis(raw: Raw) -> Mistakes:
-    given = table(raw, "spin")
-    if given:
-        path: KeyPath = ("spin",)
-        yield from axes_with_length(path, given)
-
-
 def _spinning_bodies_exist(raw: Raw) -> Mistakes:
-    names = table(raw, "spin").get("bodies")
-    known = [body.get("name") for _, body in tables(raw, "body")]
-    if isinstance(names, list):
-        for name in names:
-            if name not in known:
-                there = ", ".join(map(str, known))
-                yield ("spin", "bodies"), f"there is no body '{name}'; there are: {there}"
+    named = table(raw, "spin").get("bodies")
+    known = names(raw, "body")
+    for name in named if isinstance(named, list) else ():
+        if name not in known:
+            yield ("spin", "bodies"), f"there is no body '{name}'; there are: {', '.join(known)}"
 
 
-RULES = (_spin_has_an_axis, _spinning_bodies_exist)
+RULES = (lambda raw: axes_with_length(("spin",), table(raw, "spin")), _spinning_bodies_exist)

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from supple.cases.shared_rules import End, InterfaceOf, axes_with_length, usable_names
 from supple.cases.table import Key, Made, OneOf, table_of
-from supple.importers.toml import Mistakes, Raw, on_each
+from supple.importers.toml import on_each
 from supple.machine import SpringDamper, TorsionSpringDamper
 
 
@@ -38,8 +38,4 @@ TorsionSpring = table_of(
 SpringTable = Annotated[Spring, OneOf(StraightSpring, TorsionSpring)]
 
 
-def _names_differ(raw: Raw) -> Mistakes:
-    yield from usable_names(raw, "spring")
-
-
-RULES = (on_each("spring", axes_with_length), _names_differ)
+RULES = (on_each("spring", axes_with_length), lambda raw: usable_names(raw, "spring"))
