@@ -58,29 +58,23 @@ def _copy_apart(path: Path, copy: Path, parts: Collection[str] | None) -> None:
     memory = max(MEMORY, _TIMES_ITS_SIZE * size)
     # An empty collection copies only the root's attributes; "/" copies everything.
     words = [path.absolute(), copy, seconds, memory, *(["/"] if parts is None else parts)]
-    code, output = _exit_of([str(word) for word in words], _WAITING * seconds)
-    if code == _EXPLAINED:
-        raise OSError(output)
-    if code in (None, *_OUT_OF_TIME):
-        raise OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit")
-    if code:
-        raise OSError(f"HDF5 crashes on this file (exit code {code})")
-
-
-def _exit_of(words: list[str], seconds: float) -> tuple[int | None, str]:
-    """Exit code of the process (None if the time limit was exceeded), and its output."""
     try:
         done = subprocess.run(
-            python_command(__file__, *words),
+            python_command(__file__, *map(str, words)),
             env=python_environment(),
             stdin=subprocess.DEVNULL,
             capture_output=True,
-            timeout=seconds,
+            timeout=_WAITING * seconds,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return None, ""
-    return done.returncode, done.stdout.decode(errors="replace").strip()
+        raise OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit") from None
+    if done.returncode == _EXPLAINED:
+        raise OSError(done.stdout.decode(errors="replace").strip())
+    if done.returncode in _OUT_OF_TIME:
+        raise OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit")
+    if done.returncode:
+        raise OSError(f"HDF5 crashes on this file (exit code {done.returncode})")
 
 
 def copy_within_limits(path: str, copy: str, seconds: str, memory: str, *parts: str) -> int:

@@ -114,18 +114,6 @@ def _is_notebook() -> bool:
     return hasattr(shell, "kernel")
 
 
-class _Line(Protocol):
-    """Output line of a bar."""
-
-    def update(self, text: str, fraction: float | None) -> None:
-        """Show the description and the fraction."""
-        ...
-
-    def stop(self) -> None:
-        """Remove the line."""
-        ...
-
-
 class _TerminalLine:
     """Line on standard error."""
 
@@ -138,10 +126,12 @@ class _TerminalLine:
         self._bars.start()
 
     def update(self, text: str, fraction: float | None) -> None:
+        """Show the description and the fraction."""
         total = None if fraction is None else 1.0
         self._bars.update(self._task, description=text, total=total, completed=fraction or 0.0)
 
     def stop(self) -> None:
+        """Remove the line."""
         self._bars.stop()
 
 
@@ -176,7 +166,7 @@ class _Bar:
         self._step = ""
         self._fraction: float | None = None
         self._over = False
-        self._line: _Line | None = None
+        self._line: _TerminalLine | _NotebookLine | None = None
         self._lock = Lock()
         self._timer = Timer(PATIENCE, self._appear)
         self._timer.daemon = True

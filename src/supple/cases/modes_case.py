@@ -147,7 +147,7 @@ def campbell_case(
     spin = spin_of(case)
     if spin is None:
         raise CaseError(f"{case.path}: a Campbell diagram needs a spin; add [spin] with rate and axis")
-    spins = [Spin(float(rate), spin.axis, spin.point, spin.bodies) for rate in rates]
+    spins = [replace(spin, rate=float(rate)) for rate in rates]
     system = analysed_system(case, allow_code=allow_code)
     if case.starts:
         system = _accurate(case, system, (spins[0], spins[-1]), n_modes, 0.0)
@@ -239,11 +239,13 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
     return correct_statically(system, case.starts, look).system
 
 
-def _known(errors: np.ndarray | None) -> list[list[float | None]] | None:
-    """Rows of numbers as lists, with None for numbers that are not finite; None if there are no numbers."""
-    if errors is None:
+def _known(numbers: np.ndarray | None) -> Any:
+    """Numbers as nested lists, with None for those that are not finite; None if there are no numbers."""
+    if numbers is None:
         return None
-    return [[float(each) if np.isfinite(each) else None for each in row] for row in errors]
+    known = numbers.astype(object)
+    known[~np.isfinite(numbers)] = None
+    return known.tolist()
 
 
 def _shown(case: Case, frequencies: np.ndarray) -> np.ndarray:
@@ -252,59 +254,41 @@ def _shown(case: Case, frequencies: np.ndarray) -> np.ndarray:
 
 
 def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
-    shares = modes.kinetic_shares
-    names = [placed.body.name for placed in modes.machine.system.bodies]
+    bodies = [placed.body for placed in modes.machine.system.bodies]
+    with_basis = [body.name for body in bodies if body.kind not in ("rigid", "full")]
     error, n = modes.error, len(modes.eigenvalues)
     senses, in_space = whirl(modes)
     relative = np.full(n, np.nan) if error is None else error.relative
     exact = np.full(n, np.nan) if error is None else _shown(case, error.eigenvalues.imag)
-    if all(placed.body.kind in ("rigid", "full") for placed in modes.machine.system.bodies):
+    if not with_basis:
         relative, exact = np.zeros(n), _shown(case, modes.frequencies)
     stands = modes.machine.spin is None or not modes.machine.spin.rate
-    effective = effective_masses(modes).tolist() if stands else [None] * n
+    of_modes = {
+        "name": mode_names(modes),
+        "frequency": _shown(case, modes.frequencies).tolist(),
+        "whirl": [SENSES[sense] for sense in senses.tolist()],
+        "frequency in space": _known(_shown(case, in_space)),
+        "damping_ratio": modes.damping_ratios.tolist(),
+        "damping in space": _known(damping_in_space(modes.eigenvalues, in_space)),
+        "eigenvalue": [[value.real, value.imag] for value in modes.eigenvalues],
+        "error": _known(relative),
+        "with all coordinates": _known(exact),
+        "none of the machine's": np.isinf(relative).tolist(),
+        "unstable": modes.unstable.tolist(),
+        "kinetic_share": [
+            dict(zip((body.name for body in bodies), share, strict=True))
+            for share in modes.kinetic_shares.T.tolist()
+        ],
+        "effective_mass": effective_masses(modes).tolist() if stands else [None] * n,
+    }
     return {
         "units": unit_names(case.units),
-        "mass": sum(placed.body.mass for placed in modes.machine.system.bodies),
+        "mass": sum(body.mass for body in bodies),
         "axes": modes.machine.axes,
         "periodic": modes.machine.periodic is not None,
-        "bodies with a basis": [
-            placed.body.name
-            for placed in modes.machine.system.bodies
-            if placed.body.kind not in ("rigid", "full")
-        ],
+        "bodies with a basis": with_basis,
         "missed": [] if error is None else _shown(case, error.missed.imag).tolist(),
-        "modes": [
-            {
-                "name": name,
-                "frequency": frequency,
-                "whirl": SENSES[sense],
-                "frequency in space": space if np.isfinite(space) else None,
-                "damping_ratio": ratio,
-                "damping in space": fixed if np.isfinite(fixed) else None,
-                "eigenvalue": [value.real, value.imag],
-                "error": off if np.isfinite(off) else None,
-                "with all coordinates": full if np.isfinite(full) else None,
-                "none of the machine's": bool(np.isinf(off)),
-                "unstable": bool(unstable),
-                "kinetic_share": dict(zip(names, share, strict=True)),
-                "effective_mass": masses,
-            }
-            for name, sense, space, frequency, ratio, fixed, value, off, full, unstable, share, masses in zip(
-                mode_names(modes),
-                senses.tolist(),
-                _shown(case, in_space).tolist(),
-                _shown(case, modes.frequencies).tolist(),
-                modes.damping_ratios.tolist(),
-                damping_in_space(modes.eigenvalues, in_space).tolist(),
-                modes.eigenvalues,
-                relative.tolist(),
-                exact.tolist(),
-                modes.unstable,
-                shares.T.tolist(),
-                effective,
-                strict=True,
-            )
-        ],
+        "modes": [dict(zip(of_modes, row, strict=True)) for row in zip(*of_modes.values(), strict=True)],
     }
 
 

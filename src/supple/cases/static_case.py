@@ -45,9 +45,7 @@ def spin_of(case: Case) -> Spin | None:
     if spin is None:
         return None
     made = spin.build()
-    if made.bodies is None:
-        return made
-    return Spin(made.rate, made.axis, made.point, case.names_in_machine(made.bodies))
+    return made if made.bodies is None else replace(made, bodies=case.names_in_machine(made.bodies))
 
 
 def analysed_system(case: Case, *, allow_code: bool) -> System:
@@ -86,8 +84,12 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
     ConvergenceError    no equilibrium; joints that cannot be closed
     """
     wanted = case.tables.simulation
-    if wanted.kinematic and simulated is None:
-        _check_fixed_sizes(case)
+    if wanted.kinematic and simulated is None and case.starts:
+        raise CaseError(
+            f"{case.path}: body '{next(iter(case.starts))}' has a self-correcting reduction: for a "
+            "run with kinematic = true give it a basis of fixed size, such as reduction = "
+            '{ basis = "craig-bampton", modes = 10 } without accuracy'
+        )
     placed = assembled_system(case) if simulated is None else simulated
     system = case.controlled(placed, allow_code=allow_code)
     if isinstance(wanted.start, StartState):
@@ -123,16 +125,6 @@ def _assembly_line(found: AssembledMachine) -> str:
         if each.distance or each.angle
     ]
     return "assembled: moved " + ", ".join(moved) if moved else "assembled: all joints are closed as placed"
-
-
-def _check_fixed_sizes(case: Case) -> None:
-    """Raise CaseError for a kinematic run with a self-correcting reduction."""
-    if case.starts:
-        raise CaseError(
-            f"{case.path}: body '{next(iter(case.starts))}' has a self-correcting reduction: for a "
-            "run with kinematic = true give it a basis of fixed size, such as reduction = "
-            '{ basis = "craig-bampton", modes = 10 } without accuracy'
-        )
 
 
 def static_case(
