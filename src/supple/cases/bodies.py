@@ -26,10 +26,9 @@ from supple.cases import (
     damping,
     explicit_parts,
     interfaces,
-    line_on_grids,
     reductions,
-    section_table,
     split,
+    stated_lines,
 )
 from supple.cases.body_kinds import (
     KINDS,
@@ -49,12 +48,11 @@ from supple.cases.condense import Condense, is_condensed
 from supple.cases.damping import Damping, LinearRayleigh, Modal, Rayleigh
 from supple.cases.explicit_parts import ExplicitPart, ModalPart
 from supple.cases.interfaces import InterfaceTable
-from supple.cases.line_on_grids import line_on_grids as built_on_grids
 from supple.cases.notify import Notify
 from supple.cases.reductions import FullOrder, Reduced, Reduction, derivative_choice, quartic_choice
-from supple.cases.section_table import line_of_sections
 from supple.cases.shared_rules import FileName, usable_names
 from supple.cases.split import Split
+from supple.cases.stated_lines import stated_line
 from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
@@ -243,13 +241,7 @@ class Body(CheckedTable):
             own = damped.build() if isinstance(damped, Rayleigh | Modal) else None
             if self.is_line:
                 notify(f"reading body '{self.name}', condensed already")
-                if self.section_table is not None:
-                    file = folder / self.section_table
-                    made = line_of_sections(self.name, file, self.condense, self.interface, own)
-                else:
-                    assert self.matrices is not None
-                    mesh = folder / (self.mesh or "")
-                    made = built_on_grids(self.name, self.matrices, mesh, self.condense, self.interface, own)
+                made = stated_line(self, folder, own)
                 notify(f"checked body '{self.name}': {made.line.n} stations, mass {made.mass:.5g}")
                 return made
             assert flexible is not None
@@ -347,7 +339,7 @@ def _interfaces_have_names(path: KeyPath, body: Raw) -> Mistakes:
 RULES = (
     _bodies_are_there,
     lambda raw: usable_names(raw, "body"),
-    section_table.tables_are_in_units_of_the_case,
+    stated_lines.tables_are_in_units_of_the_case,
     on_each(
         "body",
         _is_of_one_kind,
@@ -359,8 +351,7 @@ RULES = (
         *damping.RULES_OF_BODY,
         *split.RULES_OF_BODY,
         *condense.RULES_OF_BODY,
-        *line_on_grids.RULES_OF_BODY,
-        *section_table.RULES_OF_BODY,
+        *stated_lines.RULES_OF_BODY,
         *explicit_parts.RULES_OF_BODY,
     ),
 )
