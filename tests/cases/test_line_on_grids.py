@@ -105,6 +105,16 @@ def test_a_line_of_matrices_sags_as_a_cantilever(wing, tmp_path):
         assert result.tracked[place].deflection[-1, 2] == pytest.approx(rest, rel=1e-3)
 
 
+def test_matrices_are_beside_the_case_and_not_beside_the_grids(wing, line, tmp_path):
+    case = wing(('"wing.bdf"', '"grids/wing.bdf"'))
+    (tmp_path / "grids").mkdir()
+    (tmp_path / "wing.bdf").rename(tmp_path / "grids" / "wing.bdf")
+    doubled = {"KAAX": line.stiffness, "MAAX": 2 * line.mass}
+    write_dmig_punch(tmp_path / "grids" / "wing.pch", GRIDS, 6, **doubled)  # of another model
+    (placed,) = read_case(case).system.bodies
+    assert placed.body.mass == pytest.approx(line.total_mass)
+
+
 def test_a_root_that_was_clamped_gets_its_mass_back(wing, line):
     """Flying, the frequencies are those of the whole line."""
     row = "[" + ", ".join(["{:.17g}"] * 6) + "]"
