@@ -17,8 +17,6 @@ from supple.cases.read_case import completed, raw_tables, read_case, values_beyo
 from supple.errors import CaseError
 from supple.importers.toml import UNKNOWN_KEY, KeyPath, Raw, checked, index_lines, listed_mistakes
 
-__all__ = ["CaseFamily", "case_family"]
-
 
 @dataclass(frozen=True, eq=False)
 class CaseFamily:

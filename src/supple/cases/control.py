@@ -12,8 +12,6 @@ from supple.errors import CaseError
 from supple.importers.toml import Mistakes, Raw
 from supple.machine import Controller, SampledController, System
 
-__all__ = ["RULES", "check_code_allowed", "control_file", "controllers_of"]
-
 _FORM = 'control = "controller.py:function"'
 
 

@@ -21,8 +21,6 @@ from supple.reduction import BodyModes, ReducedBody
 from supple.results.film import film_rows
 from supple.units import UnitSystem
 
-__all__ = ["ROUNDS_PICTURE", "Drawing", "check_drawing", "drawing_of"]
-
 ROUNDS_PICTURE = "self_correction.png"
 
 

@@ -22,8 +22,6 @@ from supple.cases.drawing import Drawing
 from supple.integrate import StepProgress
 from supple.other_processes import available_cores, python_command, python_environment
 
-__all__ = ["DrawingProcess"]
-
 WORTH = 20.0
 """Least wall time of a run, s, for a separate process; the error estimate of a shorter run is too short."""
 

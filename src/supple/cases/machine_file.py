@@ -29,8 +29,6 @@ from supple.machine import (
     read_mujoco,
 )
 
-__all__ = ["MachineFile", "with_machine"]
-
 Mistake = tuple[KeyPath, str]
 
 

@@ -10,8 +10,6 @@ from supple.cases.shared_rules import joint_label
 from supple.errors import CaseError
 from supple.importers.toml import KeyPath, Raw, nearest_hint
 
-__all__ = ["number_at", "parameter_path", "with_value"]
-
 _PART = re.compile(r"\.?([^.\[\]]+)|\[(\d+)\]")
 
 

@@ -9,8 +9,6 @@ from supple.cases.shared_rules import usable_names
 from supple.errors import CaseError
 from supple.importers.toml import CheckedTable, Mistakes, Raw, tables
 
-__all__ = ["RULES", "ParameterTable"]
-
 
 class ParameterTable(CheckedTable):
     """A named number of the case."""

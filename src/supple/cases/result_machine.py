@@ -25,8 +25,6 @@ from supple.storage import ResultParts, read_header, read_reduced_body
 from supple.storage.result_content import ResultHeader
 from supple.storage.run_inputs import FILE, Inputs, changes
 
-__all__ = ["CASE_FILE", "ResultMachine", "path_from", "result_machine"]
-
 CASE_FILE = "case file"
 """Key in the metadata of a result file: its case file, relative to the folder of the result."""
 

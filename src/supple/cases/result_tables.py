@@ -19,8 +19,6 @@ from supple.quantities import (
 from supple.results.march_energy_sensor import MarchEnergySensor
 from supple.simulation.engines import is_explicit
 
-__all__ = ["recorded_quantities"]
-
 
 def recorded_quantities(case: Case, system: System) -> tuple[Quantity, ...]:
     """All quantities of a table, with unique names.

@@ -16,8 +16,6 @@ from typer.core import TyperGroup
 from supple.errors import ArgumentError
 from supple.terminal import reported_errors
 
-__all__ = ["GROUP", "BenchmarkGroup"]
-
 GROUP = "supple.benchmarks"
 """Name of the group of entry points that register benchmarks."""
 

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from supple.cases import Case
 from supple.errors import CaseError, did_you_mean
 
-__all__ = ["chosen_body"]
-
 
 def chosen_body(case: Case, names: Sequence[str] | None, known: Sequence[str], kind: str, none: str) -> str:
     """The body with the given name, or the only one.

@@ -16,8 +16,6 @@ from supple.importers.deck import BeamProperty, Deck, Property, ScalarTerms
 from supple.results import without_noise
 from supple.results.descriptions import Row
 
-__all__ = ["DeckReport", "deck_report", "deck_rows", "write_deck_report"]
-
 
 @dataclass(frozen=True)
 class DeckReport:

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from supple.errors import ArgumentError
 
-__all__ = ["ExportOptions", "export"]
-
 
 @dataclass(frozen=True)
 class ExportOptions:

@@ -42,8 +42,6 @@ from supple.stepping.parameters import Exported, MachineParameters
 from supple.sweeps.body_numbers import number_of_run
 from supple.terminal import print_rows, say, shown_step
 
-__all__ = ["chosen_inputs", "export_c", "export_fmu", "machine_outputs"]
-
 
 def export_c(path: Path, folder: Path, options: ExportOptions) -> None:
     """Write the machine of a case, or of a result, at the start of its run, as a folder of C source.

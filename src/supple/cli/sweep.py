@@ -26,8 +26,6 @@ from supple.sweeps.part_file import CaseStatus
 from supple.sweeps.plan import read_plan
 from supple.terminal import bar, print_table, progress_bars, say
 
-__all__ = ["chosen_executors", "print_status", "sweep_cases", "write_pages"]
-
 _MOST_SHOWN = 10
 _BUT = {False: "", True: " without --force"}
 _WORDS = {CaseStatus.FAILED: "failed", CaseStatus.KILLED: "killed its process"}
