@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm, BodySource, FlexibleBody, FullBody
-from supple.cases.bodies import Body, checked_line
+from supple.cases.bodies import checked_line
 from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables, files_named, places_named
 from supple.cases.control import check_code_allowed, controllers_of
@@ -174,11 +174,11 @@ class Case:
         CaseError    as for `sources`
         SuppleError  a body that cannot be split in this way
         """
-        bodies = []
-        for body in self.tables.body:
-            split = body.split is not None
-            bodies.append(with_damping(body, self._unsplit[body.name]) if split else body)
-        return with_parts(self.tables.model_copy(update={"body": tuple(bodies)}), self._split)
+        bodies = tuple(
+            body if body.split is None else with_damping(body, self._unsplit[body.name])
+            for body in self.tables.body
+        )
+        return with_parts(self.tables.model_copy(update={"body": bodies}), self._split)
 
     @cached_property
     def _unsplit(self) -> Mapping[str, FlexibleBody]:
@@ -297,22 +297,19 @@ class Case:
 
         Raises CaseError for code that is not allowed to run, or that fails.
         """
-        control = self.tables.control
-        made = controllers_of(control, system, self.folder, allow_code=allow_code)
+        made = controllers_of(self.tables.control, system, self.folder, allow_code=allow_code)
         return replace(system, controllers=made)
 
     @cached_property
     def starts(self) -> Mapping[str, ReductionStart]:
         """Start of each self-correcting reduction, by body; in `system` these bodies are not reduced."""
-        return {
-            table.name: reduction_start(table.reduction, self.flexible[table.name], self._of_interest(table))
-            for table in self.parts.body
-            if table.corrects_itself and table.name not in self.made
-        }
-
-    def _of_interest(self, table: Body) -> QuantityOfInterest | None:
-        accuracy = getattr(table.reduction, "accuracy", None)
-        return None if accuracy is None or accuracy.of is None else self._quantity(accuracy.of)
+        found = {}
+        for table in self.parts.body:
+            if table.corrects_itself and table.name not in self.made:
+                accuracy = getattr(table.reduction, "accuracy", None)
+                of = None if accuracy is None or accuracy.of is None else self._quantity(accuracy.of)
+                found[table.name] = reduction_start(table.reduction, self.flexible[table.name], of)
+        return found
 
     def _quantity(self, table: OfInterest) -> QuantityOfInterest:
         return table.quantity(self.place, self.elements)
@@ -410,6 +407,11 @@ class Case:
         """The text of the case file as it was read, and digests in `inputs` of the files that it names."""
         listed = [f"{name}  {value}" for name, value in inputs.items() if name.startswith(FILE)]
         return {self.path.name: self.text} | ({"files that it names": "\n".join(listed)} if listed else {})
+
+    @property
+    def track(self) -> dict[str, Place]:
+        """The tracked places, by their names in the case."""
+        return {name: self.place(name) for name in self.parts.output.track}
 
     def _check_stress(self) -> None:
         """Raise CaseError, before the run, if bodies to be coloured have no stress.

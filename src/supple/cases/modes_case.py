@@ -15,6 +15,7 @@ from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
 from supple.cases.reductions import DEFAULT_ACCURACY
+from supple.cases.run_files import write_numbers
 from supple.cases.static_case import analysed_system, spin_of
 from supple.equations.build_model import system_length
 from supple.error import MotionOutsideBasis, correct_statically
@@ -39,8 +40,6 @@ from supple.results.mode_tables import SENSES, mode_tables, speed_tables
 from supple.results.run_summary import unit_names
 from supple.results.view import View
 from supple.simulation.equilibrium import LARGEST_ERROR
-from supple.storage import write_json
-from supple.storage.file_errors import file_errors
 from supple.units import plain_number, with_unit
 
 __all__ = ["campbell_case", "mode_case", "modes_case"]
@@ -83,14 +82,12 @@ def modes_case(
     modes = found_modes(case, n_modes, time=time, errors=errors, allow_code=allow_code)
     progress("linearising", 1.0)
     numbers: dict[str, Any] = {"title": case.title, "time": time, **_numbers(case, modes)}
-    with file_errors("make the folder", folder):
-        folder.mkdir(parents=True, exist_ok=True)
-    write_json(folder / f"{case.path.stem}-modes.json", numbers)
+    path = write_numbers(case, folder, "modes", numbers)
     if case.tables.output.report:
         from supple.report import write_modes_report
 
         write_modes_report(
-            folder / f"{case.path.stem}-modes.html",
+            path.with_suffix(".html"),
             modes,
             case.page_looks,
             tables=mode_tables(numbers),
@@ -158,8 +155,6 @@ def campbell_case(
         fulls=None if errors or case.starts else (),
         progress=lambda share: progress("linearising", share),
     )
-    with file_errors("make the folder", folder):
-        folder.mkdir(parents=True, exist_ok=True)
     numbers = {
         "title": case.title,
         "units": unit_names(case.units),
@@ -178,12 +173,12 @@ def campbell_case(
         ],
         "unstable from": [{"rate": each.rate, "mode": diagram.names[each.mode]} for each in diagram.onsets],
     }
-    write_json(folder / f"{case.path.stem}-campbell.json", numbers)
+    path = write_numbers(case, folder, "campbell", numbers)
     if case.tables.output.report:
         from supple.report import write_campbell_report
 
         write_campbell_report(
-            folder / f"{case.path.stem}-campbell.html",
+            path.with_suffix(".html"),
             diagram,
             tables=list(speed_tables(diagram, case.units)),
             title=f"{case.title}: Campbell diagram",
@@ -193,7 +188,7 @@ def campbell_case(
     if case.tables.output.pictures:
         from supple.viz import plot_campbell
 
-        plot_campbell(folder / f"{case.path.stem}-campbell.png", diagram, units=case.units)
+        plot_campbell(path.with_suffix(".png"), diagram, units=case.units)
     return diagram
 
 

@@ -34,8 +34,7 @@ def recorded_quantities(case: Case, system: System) -> tuple[Quantity, ...]:
     for name, contact in zip(contacts, system.rigid_contacts, strict=False):
         if np.isfinite(contact.obstacle.mass) or any(contact.obstacle.velocity):
             others.append(ObstacleSensor(name.replace("contact", "obstacle", 1), name))
-    for words in case.parts.output.track:
-        place = case.place(words)
+    for words, place in case.track.items():
         body = system.placed(place.body).body
         others.append(PositionSensor(f"position {words}", place))
         if body.n_coordinates and body.has_frame:

@@ -224,8 +224,7 @@ def _warn_of_damping(case: Case, system: System) -> None:
 
 def _tracked(case: Case, system: System, solution: Solution) -> dict[str, TrackedMotion]:
     """Motions of the tracked places of the case."""
-    places = {name: case.place(name) for name in case.parts.output.track}
-    return tracked_places(system, solution, places, case.bases)
+    return tracked_places(system, solution, case.track, case.bases)
 
 
 def _write_readings(case: Case, folder: Path, readings: Readings) -> None:

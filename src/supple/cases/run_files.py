@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from supple.cases.case import Case
 from supple.error import ROUNDS_FOLDER, CorrectionFolder
 from supple.errors import CaseError, ResultFileError
 from supple.importers import files_read_with
 from supple.simulation.stored_bodies import stored_path
-from supple.storage import read_header
+from supple.storage import read_header, write_json
+from supple.storage.file_errors import file_errors
 from supple.storage.result_file import check_same_run
 
 
@@ -64,6 +66,15 @@ def check_not_an_input(case: Case, targets: Sequence[Path]) -> None:
                 f"cannot write {target}: it is an input of {case.path} and would be lost; write to another "
                 "folder or file (-o)"
             )
+
+
+def write_numbers(case: Case, folder: Path, what: str, numbers: Mapping[str, Any]) -> Path:
+    """Write `CASE-WHAT.json`, into a folder that is created if missing; return its path."""
+    with file_errors("make the folder", folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{case.path.stem}-{what}.json"
+    write_json(path, numbers)
+    return path
 
 
 def stored_so_far(case: Path, folder: Path) -> str:

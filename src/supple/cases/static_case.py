@@ -15,6 +15,7 @@ from supple.cases.continuation import StartState, continued_from
 from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
+from supple.cases.run_files import write_numbers
 from supple.error import correct_at_rest
 from supple.errors import CaseError, ControlWarning
 from supple.integrate import StepProgress
@@ -24,8 +25,6 @@ from supple.results import summarize
 from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibrium, place_errors
 from supple.simulation.resting_state import placed_at_rest, resting_state
 from supple.simulation.turned_machine import warn_of_varying_loads
-from supple.storage import write_json
-from supple.storage.file_errors import file_errors
 
 __all__ = ["StaticResult", "static_case"]
 
@@ -166,31 +165,27 @@ def static_case(
         fulls = None if errors else ()
         found = equilibrium(system, time=time, spin=spin_of(case), fulls=fulls, progress=searching)
     progress("searching for the equilibrium", 1.0)
-    places = {name: case.place(name) for name in case.parts.output.track}
-    tracked = tracked_places(found.system, found.solution, places, case.bases)
+    tracked = tracked_places(found.system, found.solution, case.track, case.bases)
+    readings = read_sensors(sensors, found.system, found.solution)
     numbers: dict[str, Any] = {
         "title": case.title,
         "time": time,
         "stable": found.stable,
         **summarize(found.system, found.solution, tracked, fulls=case.fulls, units=case.units),
         "errors": {name: error.plain() for name, error in found.errors.items()},
-        "sensors": {
-            each.name: each.plain(case.units) for each in read_sensors(sensors, found.system, found.solution)
-        },
+        "sensors": {each.name: each.plain(case.units) for each in readings},
     }
-    for name, error in place_errors(found, places, case.bases).items():
+    for name, error in place_errors(found, case.track, case.bases).items():
         numbers["tracked"][name] |= {
             "error of position": error.position,
             "error of deflection": error.deflection,
         }
-    with file_errors("make the folder", folder):
-        folder.mkdir(parents=True, exist_ok=True)
-    write_json(folder / f"{case.path.stem}-static.json", numbers)
+    path = write_numbers(case, folder, "static", numbers)
     if case.tables.output.report:
         from supple.report import write_static_report
 
         write_static_report(
-            folder / f"{case.path.stem}-static.html",
+            path.with_suffix(".html"),
             found,
             case.page_looks,
             numbers,
@@ -204,7 +199,7 @@ def static_case(
         from supple.viz import draw_rest
 
         draw_rest(
-            folder / f"{case.path.stem}-static.png",
+            path.with_suffix(".png"),
             found.system,
             found.solution,
             case.drawn,

@@ -239,7 +239,7 @@ def machine_outputs(case: Case, system: System) -> list[Quantity]:
     case measures gets no further output.
     """
     sensors = list(case.sensors)
-    tracked = [PositionSensor(name, case.place(name)) for name in case.parts.output.track]
+    tracked = [PositionSensor(name, place) for name, place in case.track.items()]
     joints = [
         JointMotionSensor(joint.name, joint.name) for joint in system.joints if _moves_along_axis(joint)
     ]

@@ -145,14 +145,13 @@ def _write_case_report(folder: Path, number: int, target: Path, varied: str, *, 
     swept = swept_case(folder, number, allow_code=allow_code)
     case, system = swept.case, swept.system
     solution = simulate(system, swept.run, check=False)
-    places = {name: case.place(name) for name in case.parts.output.track}
     write_report(
         target,
         system,
         solution,
         case.page_looks,
         title=f"{case.title or case.path.stem}, case {number}",
-        tracked=tracked_places(system, solution, places, case.bases),
+        tracked=tracked_places(system, solution, case.track, case.bases),
         readings=read_sensors(case.sensors, system, solution),
         elements=case.coloured_elements(system),
         bases=case.bases,
