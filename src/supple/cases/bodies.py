@@ -15,7 +15,9 @@ from supple.body import (
     FlexibleBody,
     FullBody,
     MeanAxisFrame,
+    ModalDamping,
     NodalFixedFrame,
+    RayleighDamping,
     RigidBody,
     check_rigid_connections,
     rigid_mass_properties,
@@ -213,6 +215,17 @@ class Body(CheckedTable):
         placed = Placed(form, **start)
         return placed if self.centre_velocity is None else placed.with_centre_velocity(self.centre_velocity)
 
+    def line(self, folder: Path, notify: Notify) -> IntrinsicBody:
+        """The body of `is_line`, in intrinsic modes; arguments as for `build`."""
+        notify(f"reading body '{self.name}', condensed already")
+        made = stated_line(self, folder, self._damping_of_modes())
+        notify(f"checked body '{self.name}': {made.line.n} stations, mass {made.mass:.5g}")
+        return made
+
+    def _damping_of_modes(self) -> RayleighDamping | ModalDamping | None:
+        # A rule of the case file allows only these kinds of damping here; they need no body and frame.
+        return self.damping.build() if isinstance(self.damping, Rayleigh | Modal) else None
+
     def _part(
         self, flexible: FlexibleBody | None, elements: FiniteElementModel | None, notify: Notify
     ) -> ModalSubdomain | ExplicitSubdomain | ExplicitShell:
@@ -236,17 +249,11 @@ class Body(CheckedTable):
             places = {i.name: np.array(i.position) for i in self.interface if i.position is not None}
             return made_of.body(self.name, places)
         if self.condense is not None:
-            damped = self.damping
-            # A rule of the case file allows only these kinds of damping here; they need no body and frame.
-            own = damped.build() if isinstance(damped, Rayleigh | Modal) else None
             if self.is_line:
-                notify(f"reading body '{self.name}', condensed already")
-                made = stated_line(self, folder, own)
-                notify(f"checked body '{self.name}': {made.line.n} stations, mass {made.mass:.5g}")
-                return made
+                return self.line(folder, notify)
             assert flexible is not None
             notify(f"condensing body '{self.name}' ({flexible.n} freedoms)")
-            return self.condense.build(flexible, own)
+            return self.condense.build(flexible, self._damping_of_modes())
         assert flexible is not None
         assert self.frame is not None  # a rule of the case file
         frame = self.frame.build()

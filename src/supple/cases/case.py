@@ -440,7 +440,7 @@ class Case:
                     yield ("body", i, "interface", j, "nodes"), body.name, interface.nodes
         interfaces = {f"{body.name}.{interface.name}" for body in tables.body for interface in body.interface}
         for path, place, may_be in places_named(tomllib.loads(self.text)):
-            if may_be == "node set" and place not in interfaces:
+            if may_be == "node set" and isinstance(place, str) and place not in interfaces:
                 body, _, name = place.partition(".")
                 yield path, body, name
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from supple.body import BodyForm
 from supple.cases.case import Case
@@ -37,7 +36,7 @@ class CaseFamily:
 
     def variant(
         self,
-        values: Mapping[KeyPath, Any],
+        values: Mapping[KeyPath, object],
         like: Case | None = None,
         made: Mapping[str, BodyForm] | None = None,
         notify: Notify = silent,
@@ -61,19 +60,19 @@ class CaseFamily:
             return like.varied(tables, made or {})
         return Case(self.path, self.text, tables, index_lines(self.text), notify, made or {})
 
-    def unknown_keys(self, values: Mapping[KeyPath, Any]) -> dict[KeyPath, str]:
+    def unknown_keys(self, values: Mapping[KeyPath, object]) -> dict[KeyPath, str]:
         """The places of `values` whose last key a case with these values cannot have, with the remedy."""
         _, mistakes = checked(CaseTables, self.raw_variant(values), ())
         return {place: text for place, text in mistakes if place in values and text.startswith(UNKNOWN_KEY)}
 
-    def raw_variant(self, values: Mapping[KeyPath, Any]) -> Raw:
+    def raw_variant(self, values: Mapping[KeyPath, object]) -> Raw:
         """The tables with other values."""
-        raw: Any = self.raw
+        raw = self.raw
         for place, value in values.items():
             raw = with_value(raw, place, value)
         return raw
 
-    def files(self, values: Mapping[KeyPath, Any]) -> tuple[str, ...]:
+    def files(self, values: Mapping[KeyPath, object]) -> tuple[str, ...]:
         """Names of the files of a variant."""
         return tuple(name for _, name in files_named(self.raw_variant(values)) if isinstance(name, str))
 

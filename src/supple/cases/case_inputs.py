@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 from supple.errors import CaseError
 from supple.importers import files_read_with
@@ -25,7 +24,7 @@ def inputs_of_case(tables: CheckedTable, files: Iterable[str], folder: Path) -> 
     return dict(_leaves("", values)) | digests_of_files(files, folder)
 
 
-def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
+def _leaves(name: str, value: object) -> Iterator[tuple[str, str]]:
     """Path and text of every value below a key; the path of a table in a list contains its name or number."""
     if isinstance(value, Mapping):
         for key, item in value.items():

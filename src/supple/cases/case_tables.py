@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import ConfigDict, Field
 
@@ -135,12 +135,12 @@ def _files_exist(raw: Raw, folder: Path) -> Mistakes:
             yield path, f"there is no file {folder / name}; file names are relative to the case file"
 
 
-def places_named(raw: Raw) -> Iterator[tuple[KeyPath, Any, str]]:
+def places_named(raw: Raw) -> Iterator[tuple[KeyPath, object, str]]:
     """Every key of a case with a place: path, value, and kind of place."""
     return (each for each in named_in(CaseTables, raw) if each[-1] != "file")
 
 
-def files_named(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
+def files_named(raw: Raw) -> Iterator[tuple[KeyPath, object]]:
     """Every key of a case with a file name, and its value."""
     yield from ((path, name) for path, name, what in named_in(CaseTables, raw) if what == "file")
     yield ("control",), control_file(raw.get("control"))

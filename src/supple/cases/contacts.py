@@ -151,7 +151,7 @@ def _is_stiff_by_one_key(path: KeyPath, contact: Raw) -> Mistakes:
         yield (*path, "fraction"), message
 
 
-def _part_places(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
+def _part_places(raw: Raw) -> Iterator[tuple[KeyPath, object]]:
     """Every BODY.NODE_SET of ties, contacts and supports, with the path of its key."""
     for section in ("tie", "contact", "support"):
         for path, item in tables(raw, section):

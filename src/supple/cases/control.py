@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 from supple.errors import CaseError
 from supple.importers.toml import Mistakes, Raw
@@ -37,7 +36,7 @@ def controllers_of(
         raise CaseError(
             f"{_at(control)} fails: {type(error).__name__}: {error}; correct the function"
         ) from error
-    every: Sequence[Any] = made if isinstance(made, list | tuple) else (made,)
+    every: Sequence[object] = made if isinstance(made, list | tuple) else (made,)
     for each in every:
         if not isinstance(each, Controller | SampledController):
             raise CaseError(
@@ -65,7 +64,7 @@ def _module(path: Path, source: bytes) -> ModuleType:
     return module
 
 
-def control_file(control: Any) -> Any:
+def control_file(control: object) -> str | None:
     """The file name in a value of `control`."""
     return control.partition(":")[0] if isinstance(control, str) else None
 

@@ -33,7 +33,7 @@ DiagonalOrRows = Annotated[
 Square = Annotated[tuple[Pair, Pair], Field(strict=False)]
 
 
-def _as_table(value: Any) -> Any:
+def _as_table(value: object) -> object:
     """A single matrix as a table of one."""
     rows = value if isinstance(value, list) else []
     alone = bool(rows) and all(
@@ -45,7 +45,7 @@ def _as_table(value: Any) -> Any:
 Squares = Annotated[tuple[Square, ...], Field(strict=False), BeforeValidator(_as_table)]
 
 
-def _has_rows(given: Any) -> bool:
+def _has_rows(given: object) -> bool:
     return isinstance(given, list | tuple) and any(isinstance(each, list | tuple) for each in given)
 
 

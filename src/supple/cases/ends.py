@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from supple.cases.body_kinds import kind_of
 from supple.importers.toml import KeyPath, Mistakes, Raw, names, nearest_hint, tables, unknown
 
@@ -14,7 +12,7 @@ NO_INTERFACES = (
 )
 
 
-def place_exists(raw: Raw, path: KeyPath, place: Any, may_be: str) -> Mistakes:
+def place_exists(raw: Raw, path: KeyPath, place: object, may_be: str) -> Mistakes:
     """The rule that a place exists; a node set can be checked only once the mesh has been read."""
     ground = may_be == "ground"
     if not isinstance(place, str):

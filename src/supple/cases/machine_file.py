@@ -62,7 +62,7 @@ def with_machine(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
         system = read_mujoco(folder / name, leave_out=leave_out if isinstance(leave_out, list) else [])
     except SuppleError as error:
         return raw, [(("machine", "mujoco"), str(error))]
-    made = {placed.body.name: _body(placed) for placed in system.bodies}
+    made = {name: _body(system.placed(name), body) for name, body in system.bodies_of(RigidBody).items()}
     bodies, mistakes = [], list[Mistake]()
     for number, body in enumerate(_listed(raw, "body")):
         own = made.pop(str(body.get("name")), None) if isinstance(body, Mapping) else None
@@ -83,9 +83,7 @@ def _listed(raw: Raw, section: str) -> Sequence[Any]:
     return given if isinstance(given, list) else []
 
 
-def _body(placed: Placed) -> dict[str, Any]:
-    body = placed.body
-    assert isinstance(body, RigidBody)  # a machine file has no others
+def _body(placed: Placed, body: RigidBody) -> dict[str, object]:
     return {
         "name": body.name,
         "rigid": {"mass": body.mass, "centre": _numbers(body.centre), "inertia": body.inertia.tolist()},
@@ -97,7 +95,7 @@ def _body(placed: Placed) -> dict[str, Any]:
 
 def _in_its_place(
     body: Mapping[str, Any], rigid: dict[str, Any], path: KeyPath, mistakes: list[Mistake]
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """A body of the case with the position of the machine's body, and its interfaces at the joints."""
     for key in ("position", "rotation"):
         if key in body:
@@ -123,7 +121,7 @@ def _in_its_place(
     return {**body, **stands, **({"interface": at_joints} if given else {})}
 
 
-def _joint(joint: Joint) -> dict[str, Any]:
+def _joint(joint: Joint) -> dict[str, object]:
     kind = type(joint).__name__.lower()
     axes = {}
     if isinstance(joint, Universal):
@@ -143,7 +141,7 @@ def _with_names(loads: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def _load(load: object) -> dict[str, Any]:
+def _load(load: object) -> dict[str, object]:
     """A torsion spring, a stop, or the bushing that represents the spring of a slide or ball joint."""
     match load:
         case TorsionSpringDamper():

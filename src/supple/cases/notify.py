@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
 
 class Notify(Protocol):
@@ -13,5 +13,5 @@ class Notify(Protocol):
         ...
 
 
-def silent(*_: Any) -> None:
+def silent(*_: object) -> None:
     """Report nothing."""

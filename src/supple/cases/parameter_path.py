@@ -82,7 +82,7 @@ def _words(text: str) -> list[str | int]:
     return words
 
 
-def _with_label(words: list[str | int], items: Sequence[Any]) -> list[str | int]:
+def _with_label(words: list[str | int], items: Sequence[object]) -> list[str | int]:
     """The words with the label of an item as one word: `fixed ground - arm.root` contains a dot."""
     for end in range(2, len(words) + 1):
         if all(isinstance(word, str) for word in words[:end]):
@@ -92,7 +92,7 @@ def _with_label(words: list[str | int], items: Sequence[Any]) -> list[str | int]
     return words
 
 
-def _named(items: Sequence[Any], name: str, text: str) -> int:
+def _named(items: Sequence[object], name: str, text: str) -> int:
     names = [_name(each) for each in items]
     if name not in names:
         known = [each for each in names if each]
@@ -103,7 +103,7 @@ def _named(items: Sequence[Any], name: str, text: str) -> int:
     return names.index(name)
 
 
-def _name(item: Any) -> str:
+def _name(item: object) -> str:
     if not isinstance(item, Mapping):
         return ""
     if "name" not in item and {"kind", "first", "second"} <= item.keys():
@@ -111,5 +111,5 @@ def _name(item: Any) -> str:
     return str(item.get("name", ""))
 
 
-def _listed(found: Mapping[str, Any]) -> str:
+def _listed(found: Raw) -> str:
     return ", ".join(found) or "nothing"

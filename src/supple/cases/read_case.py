@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from supple.arguments import checked_arguments
 from supple.cases.case import Case
@@ -152,7 +152,7 @@ def _text(path: Path) -> str:
         raise CaseError(f"cannot read the case file {str(path)!r}: {error}; check the path") from error
 
 
-def _raw(path: Path, text: str) -> dict[str, Any]:
+def _raw(path: Path, text: str) -> Raw:
     """The tables of the text; CaseError for text that is not TOML, or nested deeper than `DEEPEST`."""
     try:
         raw = tomllib.loads(text)
@@ -175,7 +175,7 @@ def _raw(path: Path, text: str) -> dict[str, Any]:
     return raw
 
 
-def _depth(raw: dict[str, Any]) -> int:
+def _depth(raw: Raw) -> int:
     """Nesting of tables and lists, at most `DEEPEST` + 1; without recursion, which could overflow."""
     depth, level = 0, [raw]
     while level and depth <= DEEPEST:
@@ -185,7 +185,7 @@ def _depth(raw: dict[str, Any]) -> int:
     return depth
 
 
-def values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[Mistake]:
+def values_beyond_any_use(value: object, path: KeyPath = ()) -> Iterator[Mistake]:
     """Path and message of each integer beyond 64 bits and each finite float of magnitude above `LARGEST`."""
     if isinstance(value, dict | list):
         for key, item in value.items() if isinstance(value, dict) else enumerate(value):

@@ -20,7 +20,7 @@ from supple.cases.interfaces import InterfaceTable
 from supple.cases.joints import JointTable
 from supple.cases.loads import Force
 from supple.cases.split import SplitSource, pressed_triangles
-from supple.cases.table import named_in
+from supple.cases.table import Made, named_in
 from supple.errors import ModelError, SuppleWarning
 from supple.machine import At
 from supple.machine.split_body import SplitBody, frequency_changes, part_name
@@ -84,7 +84,7 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
     ]
     joints = [each.model_copy(update={"name": each.label}) for each in tables.joint]
     track = [place for text in tables.output.track for place, _ in _places(placed(text), by_name)]
-    changed: dict[str, Any] = {
+    changed = {
         "body": tuple(bodies),
         "joint": (*joints, *(joint for each in given for joint in _ties(each))),
         "load": tuple(part for load in tables.load for part in _load_parts(load, placed, by_name)),
@@ -202,13 +202,13 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
         yield body.model_copy(update=changed)
 
 
-def _frame(split: _SplitTable, part: int) -> object:
+def _frame(split: _SplitTable, part: int) -> Made | None:
     """The frame of a part.
 
     A mean-axis frame is that of the body. A nodal-fixed frame is fixed to the interface of the body's frame,
     or, in a part without this interface, to the cut towards it.
     """
-    frame: Any = split.body.frame
+    frame = split.body.frame
     if not isinstance(frame, NodalFixed):
         return frame
     held = split.holders[frame.interface]
@@ -236,7 +236,7 @@ def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, 
     return [(f"{part}.{node_set}", len(own) / len(nodes)) for part, own in found]
 
 
-def _load_parts(load: Any, placed: Callable[[str], str], split: Mapping[str, _SplitTable]) -> Iterator[Any]:
+def _load_parts(load: Made, placed: Callable[[str], str], split: Mapping[str, _SplitTable]) -> Iterator[Made]:
     name, _, node_set = getattr(load, "at", "").partition(".")
     if isinstance(load, Force):
         for place, share in _places(placed(load.at), split):

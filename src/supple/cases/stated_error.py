@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -85,7 +85,7 @@ def places_of_interest(raw: Raw) -> Iterator[tuple[KeyPath, Raw]]:
             yield (*path, "reduction", "accuracy", "of"), of
 
 
-def _listed(given: Any) -> list[Raw]:
+def _listed(given: object) -> list[Raw]:
     return [each for each in given if isinstance(each, dict)] if isinstance(given, list) else []
 
 

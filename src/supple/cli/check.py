@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from rich.table import Table
 
@@ -69,7 +68,7 @@ def _print_lines(case: Case) -> None:
     for table in case.tables.body:
         if not table.is_line:
             continue
-        body: Any = table.build(None, case.folder, silent).body
+        body = table.line(case.folder, silent)
         held, lowest = body.stated_frequencies()
         listed = ", ".join(f"{factor * frequency:.4g}" for frequency in lowest)
         line = (

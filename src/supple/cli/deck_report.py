@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -33,12 +32,12 @@ class DeckReport:
     faults: tuple[str, ...]
     superelements: Mapping[str, MassProperties | None] = field(default_factory=dict)
 
-    def as_json(self) -> dict[str, Any]:
+    def as_json(self) -> dict[str, object]:
         """The documented output of `supple info --json`.
 
         The key `frequencies_hz` contains cycles per unit of time of the deck: Hz only for decks in seconds.
         """
-        found: dict[str, Any] = {
+        found: dict[str, object] = {
             **_described(self.deck, self.mass),
             "left_out": [
                 {"card": each.card, "count": each.count, "line": each.line} for each in self.deck.left_out
@@ -54,7 +53,7 @@ class DeckReport:
         return found
 
 
-def _described(deck: Deck, mass: MassProperties | None) -> dict[str, Any]:
+def _described(deck: Deck, mass: MassProperties | None) -> dict[str, object]:
     return {
         "nodes": len(deck.node_ids),
         "elements": element_counts(deck),
@@ -207,9 +206,9 @@ def _masses(terms: ScalarTerms) -> int:
     return len(np.unique(np.column_stack([terms.lines[rows], terms.freedoms[first] // 6]), axis=0))
 
 
-def _counted(cards: Any) -> str:
+def _counted(cards: Mapping[str, int]) -> str:
     return ", ".join(f"{count} {card}" for card, count in cards.items()) or "none"
 
 
-def _listed(values: Any) -> str:
+def _listed(values: Iterable[float]) -> str:
     return ", ".join(f"{value:.6g}" for value in values)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,6 +15,7 @@ from supple.cli.chosen_body import chosen_body
 from supple.cli.export import ExportOptions
 from supple.errors import ArgumentError, CaseError
 from supple.export import ABAQUS, CALCULIX, TABLE_SUFFIXES, resultant, static_load, write_static_deck
+from supple.importers.toml import CheckedTable
 from supple.terminal import print_rows, say, shown_step
 from supple.units import headed, with_unit
 
@@ -123,7 +123,7 @@ def _left_out(case: Case, name: str) -> str:
     return ", ".join(found)
 
 
-def _touches(table: Any, name: str) -> bool:
+def _touches(table: CheckedTable, name: str) -> bool:
     """Whether a spring, force element, tie or contact acts on a body."""
     ends = (getattr(table, key, None) for key in ("first", "second", "nodes", "on", "surface"))
     return any(isinstance(end, str) and end.partition(".")[0] == name for end in ends)

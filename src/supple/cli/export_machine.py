@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -25,6 +24,7 @@ from supple.machine import (
     AngleServo,
     Cylindrical,
     ForceBetween,
+    ForceElement,
     Joint,
     PrescribedRotation,
     PrescribedTranslation,
@@ -41,6 +41,9 @@ from supple.stepping import StepProgram, Variable, step_program
 from supple.stepping.parameters import Exported, MachineParameters
 from supple.sweeps.body_numbers import number_of_run
 from supple.terminal import print_rows, say, shown_step
+
+Driven = Joint | ForceElement
+"""A part of a machine whose law may be an input."""
 
 
 def export_c(path: Path, folder: Path, options: ExportOptions) -> None:
@@ -158,7 +161,9 @@ def _machine(path: Path, options: ExportOptions, notify: Notify) -> tuple[Case, 
     return case, starting_system(case, allow_code=options.allow_code)
 
 
-def chosen_inputs(case: Case, system: System, names: Sequence[str]) -> tuple[dict[str, Any], dict[str, str]]:
+def chosen_inputs(
+    case: Case, system: System, names: Sequence[str]
+) -> tuple[dict[str, Driven], dict[str, str]]:
     """The elements whose laws are inputs, and the units of the inputs, by name."""
     known = _elements(case, system)
     for name in names:
@@ -209,16 +214,18 @@ def _parameters(case: Case, system: System, inputs: Sequence[str]) -> MachinePar
     return MachineParameters(tuple(variables), machine)
 
 
-def _elements(case: Case, system: System) -> dict[str, Any]:
+def _elements(case: Case, system: System) -> dict[str, Driven]:
     """Joints, and springs and elements that have a name."""
     tables = (*case.parts.spring, *case.parts.element)
     named = zip(tables, system.loads[len(case.parts.load) :], strict=False)
     return {joint.name: joint for joint in system.joints} | {
-        table.name: element for table, element in named if table.name is not None
+        table.name: element
+        for table, element in named
+        if table.name is not None and isinstance(element, ForceElement)
     }
 
 
-def _unit(case: Case, element: Any) -> str:
+def _unit(case: Case, element: Driven) -> str:
     units = case.units
     match element:
         case PrescribedRotation() | AngleServo():

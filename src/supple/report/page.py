@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from html import escape
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 from supple.report.charts import Chart
 from supple.report.moving_machine import MovingMachine
@@ -100,7 +99,7 @@ def write_text(path: Path | str, text: str) -> Path:
 def page_text(page: Page) -> str:
     """A page as HTML; its content policy forbids all requests, and scripts that are not part of the page."""
     arrays = PackedArrays()
-    head: dict[str, Any] = {
+    head = {
         "time": page.units.time,
         "length": page.units.length,
         "force": page.units.force,
@@ -114,7 +113,11 @@ def page_text(page: Page) -> str:
 
 
 def html_text(
-    assets: Assets, title: str, sections: Sequence[PageSection], head: Mapping[str, Any], arrays: PackedArrays
+    assets: Assets,
+    title: str,
+    sections: Sequence[PageSection],
+    head: Mapping[str, object],
+    arrays: PackedArrays,
 ) -> str:
     """One HTML file of sections and data, displayed by its scripts.
 

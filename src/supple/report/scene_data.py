@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +29,7 @@ _STILL = 1e-12
 extent. Its axes count as fixed if no component of their quaternion changes by more than this number."""
 
 
-def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
+def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, object]:
     """Add the arrays of a machine to `arrays`; return their layout and all texts.
 
     Positions in space are relative to the middle of the machine's bounding box; nodes and marks of a body are
@@ -71,13 +70,13 @@ def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
     }
 
 
-def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, Any]]:
+def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, object]]:
     """Add the arrays of charts to `arrays`; return their layout and all texts.
 
     An abscissa that several charts share is added once.
     """
     known: dict[int, Packing] = {}
-    found = []
+    found: list[dict[str, object]] = []
     for chart in charts:
         key = id(chart.abscissa)
         if key not in known:
@@ -97,7 +96,7 @@ def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, 
     return found
 
 
-def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[str, Any]:
+def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[str, object]:
     surface, carriers = body.surface, body.surface.carriers
     carried = not np.array_equal(carriers, np.arange(len(carriers)))
     return {
@@ -117,7 +116,7 @@ def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[st
     }
 
 
-def _shapes_data(field: NodalShapes, step: float, arrays: PackedArrays) -> dict[str, Any]:
+def _shapes_data(field: NodalShapes, step: float, arrays: PackedArrays) -> dict[str, object]:
     """Shapes as integers, with more digits for larger contributions, and amplitudes scaled to match."""
     largest = np.abs(field.shapes).max(axis=(1, 2), initial=0.0)
     contribution = largest * np.abs(field.amplitudes).max(axis=0, initial=0.0)
@@ -139,12 +138,12 @@ class _Marks:
         self._machine, self._numbers, self._middle, self._arrays = machine, numbers, middle, arrays
         self._still = _STILL * float(np.linalg.norm(machine.high - machine.low))
 
-    def of_ends(self, link: Link) -> dict[str, Any]:
+    def of_ends(self, link: Link) -> dict[str, object]:
         """Name, kind, and both ends."""
         ends = {"first": self.of(link.first), "second": self.of(link.second)}
         return {"name": link.name, "kind": link.kind, **ends}
 
-    def of(self, place: MarkedPlace) -> dict[str, Any]:
+    def of(self, place: MarkedPlace) -> dict[str, object]:
         """Body number (-1: the ground), rest position, and motion within the body; axes as quaternions."""
         number = self._numbers.get(place.body, -1)
         if number < 0:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,9 +70,9 @@ class SweepPage:
     """
 
     title: str
-    parameters: Mapping[str, Sequence[Any]]
+    parameters: Mapping[str, Sequence[object]]
     channels: Sequence[ChannelOfCases]
-    results: Mapping[str, Sequence[Any] | Array] = field(default_factory=lambda: MappingProxyType({}))
+    results: Mapping[str, Sequence[object] | Array] = field(default_factory=lambda: MappingProxyType({}))
     spectra: Sequence[RainflowSpectrum] = ()
     exponents: Sequence[float] = ()
     sections: Sequence[PageSection] = ()
@@ -112,7 +112,7 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
     columns = [_Column(page.row, "case", range(n))]
     columns += [_Column(name, "result", column) for name, column in page.results.items()]
     columns += [_Column(name, "parameter", column) for name, column in page.parameters.items()]
-    shown: list[dict[str, Any]] = []
+    shown: list[dict[str, object]] = []
     for channel in page.channels:
         own = list(_columns(channel, page.time))
         places = {name: len(columns) + i for i, name in enumerate(channel.statistics)}
@@ -147,11 +147,11 @@ class _Column(NamedTuple):
 
     label: str
     kind: str
-    values: Sequence[Any] | Array
+    values: Sequence[object] | Array
 
-    def plain(self, arrays: PackedArrays) -> dict[str, Any]:
+    def plain(self, arrays: PackedArrays) -> dict[str, object]:
         """The column as JSON values for the script."""
-        known: dict[str, Any] = {"label": self.label, "kind": self.kind, "words": None}
+        known: dict[str, object] = {"label": self.label, "kind": self.kind, "words": None}
         values = np.asarray(self.values) if not _are_words(self.values) else None
         if values is None:
             words = list(dict.fromkeys(str(value) for value in self.values))
@@ -162,7 +162,7 @@ class _Column(NamedTuple):
         return known | {"values": arrays.add(values.astype(np.float64), "f8")}
 
 
-def _are_words(values: Sequence[Any] | Array) -> bool:
+def _are_words(values: Sequence[object] | Array) -> bool:
     if isinstance(values, np.ndarray) and values.dtype.kind in "iuf":
         return False
     return any(isinstance(value, bool) or not isinstance(value, int | float | np.number) for value in values)
@@ -174,7 +174,7 @@ def _columns(channel: ChannelOfCases, time: str) -> Iterator[_Column]:
         yield _Column(labelled(f"{channel.name}, {name}", unit), "output", values)
 
 
-def _plain(spectrum: RainflowSpectrum, arrays: PackedArrays) -> dict[str, Any]:
+def _plain(spectrum: RainflowSpectrum, arrays: PackedArrays) -> dict[str, object]:
     return {
         "name": spectrum.name,
         "unit": spectrum.unit,

@@ -118,7 +118,7 @@ def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
     return _of_used_points(points, all_triangles[seen], _none(2), lifetimes)
 
 
-def _face_keys(kind: Any, cells: IntArray) -> IntArray:
+def _face_keys(kind: CellType, cells: IntArray) -> IntArray:
     """Sorted corners (m, 4) of the face of each triangle of `FACE_TRIANGLES`; -1 if there is no fourth."""
     keys = []
     for corners in kind.faces:

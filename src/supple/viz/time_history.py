@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
@@ -145,7 +145,7 @@ def _draw_panel(axes: Axes, panel: Panel, ranks: Sequence[int] | None) -> None:
 
 def _legend_of_all(figure: Figure, grid: Sequence[Axes], order: Sequence[str]) -> None:
     """One legend over all panels, each label once."""
-    shown: dict[str, Any] = {}
+    shown: dict[str, Artist] = {}
     for axes in grid:
         handles, labels = axes.get_legend_handles_labels()
         shown |= dict(zip(labels, handles, strict=True))
