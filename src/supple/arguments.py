@@ -20,22 +20,6 @@ import numpy as np
 
 from supple.errors import ArgumentError, ModelError
 
-__all__ = [
-    "NotNegative",
-    "Positive",
-    "check_fields",
-    "check_instance",
-    "check_members",
-    "check_number",
-    "check_numbers",
-    "check_ranges",
-    "check_sequence",
-    "check_text",
-    "check_whole_number",
-    "checked_arguments",
-    "given",
-]
-
 Positive = Annotated[float, "positive"]
 NotNegative = Annotated[float, "not negative"]
 _F = TypeVar("_F", bound=Callable[..., Any])

@@ -15,8 +15,6 @@ from functools import lru_cache
 import scipy.linalg  # noqa: F401    loads the LAPACK of SciPy, which JAX calls; only then is it found
 from threadpoolctl import ThreadpoolController
 
-__all__ = ["one_blas_thread"]
-
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:

@@ -10,8 +10,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TypeVar
 
-__all__ = ["available_cores", "in_threads", "one_core", "python_command", "python_environment"]
-
 _Given = TypeVar("_Given")
 _Found = TypeVar("_Found")
 _alone: ContextVar[bool] = ContextVar("alone", default=False)

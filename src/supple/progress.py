@@ -14,8 +14,6 @@ from threading import Lock, Timer
 from time import monotonic, perf_counter
 from typing import ParamSpec, Protocol, TypeVar
 
-__all__ = ["show_progress"]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

@@ -8,8 +8,6 @@ from html import escape
 
 import numpy as np
 
-__all__ = ["Row", "Summarized", "Summary", "listed", "place_text"]
-
 Row = tuple[str, str]
 
 N_LINES = 10

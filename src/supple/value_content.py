@@ -26,8 +26,6 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-__all__ = ["UserFunction", "content_of", "fixed_function", "is_users"]
-
 Parts = Callable[[Any], Any]
 """Returns the values that represent a value, or the value itself"""
 

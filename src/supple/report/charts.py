@@ -15,8 +15,6 @@ from supple.quantities import Reading, TrackedMotion, contact_forces, joint_load
 from supple.results import without_noise
 from supple.units import UNNAMED, UnitSystem, labelled
 
-__all__ = ["Chart", "charts_of"]
-
 Array = NDArray[np.float64]
 
 

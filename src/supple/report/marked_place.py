@@ -28,8 +28,6 @@ from supple.quantities import contact_forces, node_positions
 from supple.quantities.end_motion import both_ends
 from supple.value_content import UserFunction
 
-__all__ = ["Arrow", "Link", "MarkedPlace", "arrows_of", "joint_marks", "links_of"]
-
 Array = NDArray[np.float64]
 
 

@@ -19,8 +19,6 @@ from supple.report.visible_surface import VisibleSurface, surface_of
 from supple.results.body_surface import Look, SurfacePoints
 from supple.results.colouring import Colouring
 
-__all__ = ["FIELD_TOLERANCE", "MovingBody", "moving_body", "rigid_links"]
-
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

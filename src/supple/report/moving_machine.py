@@ -21,8 +21,6 @@ from supple.results.obstacle_shape import obstacle_offsets, obstacle_shape
 from supple.simulation.recorded_columns import check_motions
 from supple.units import UNNAMED, UnitSystem
 
-__all__ = ["FieldScale", "MovingMachine", "MovingObstacle", "moving_machine"]
-
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -12,8 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["NodalShapes", "nodal_shapes"]
-
 Array = NDArray[np.float64]
 
 _SEARCHED = 200

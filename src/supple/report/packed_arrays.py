@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike
 
 from supple.errors import ModelError
 
-__all__ = ["PackedArrays", "Packing", "unpacked"]
-
 Kind = Literal["f4", "f8", "i2", "i4"]
 
 _LEVEL = 6

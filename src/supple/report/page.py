@@ -20,8 +20,6 @@ from supple.results.run_tables import TextTable
 from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem
 
-__all__ = ["Assets", "Clip", "Page", "PageSection", "html_text", "page_text", "write_page", "write_text"]
-
 
 @dataclass(frozen=True)
 class Assets:

@@ -15,8 +15,6 @@ from supple.report.moving_machine import MovingMachine
 from supple.report.nodal_shapes import NodalShapes
 from supple.report.packed_arrays import PackedArrays, Packing
 
-__all__ = ["chart_data", "scene_data"]
-
 Array = NDArray[np.float64]
 
 _LEVELS = 32767

@@ -15,8 +15,6 @@ from supple.mesh import CellType
 from supple.mesh.outer_faces import FACE_TRIANGLES
 from supple.results.body_surface import Look, SurfacePoints, body_surface
 
-__all__ = ["VisibleSurface", "surface_of"]
-
 IntArray = NDArray[np.int64]
 
 

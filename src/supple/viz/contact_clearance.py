@@ -17,8 +17,6 @@ from supple.machine.obstacles import Obstacle
 from supple.mesh.outer_faces import is_shell, outer_triangles
 from supple.methods.explicit.march.touching_surface import projected, touching_surface
 
-__all__ = ["clear_of_contact"]
-
 FloatArray = NDArray[np.float64]
 
 CLEARANCE = 5e-4

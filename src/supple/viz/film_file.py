@@ -16,8 +16,6 @@ from supple.errors import ModelError, ResultFileError
 from supple.optional_packages import optional_package
 from supple.storage.atomic_write import replacing
 
-__all__ = ["check_film", "played_rate", "write_film"]
-
 Array8 = NDArray[np.uint8]
 Frames = Callable[[int], Array8]
 """Function of the number of a frame, from 0; returns its pixels (rows, columns, 3)."""

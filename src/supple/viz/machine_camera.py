@@ -15,8 +15,6 @@ from supple.results.body_surface import Look
 from supple.results.camera import Camera
 from supple.viz.glyphs import glyphs_of
 
-__all__ = ["machine_camera", "upright_camera"]
-
 Array = NDArray[np.float64]
 
 _INSTANTS, _NODES = 20, 500

@@ -25,8 +25,6 @@ from supple.viz.contact_clearance import clear_of_contact
 from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of, surface_glyphs
 from supple.viz.scene import Actor, obstacle_actor, scene_of
 
-__all__ = ["MachineScene", "drawn_bodies", "machine_scene"]
-
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 _EDGE_ON = 0.05

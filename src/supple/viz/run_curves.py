@@ -18,8 +18,6 @@ from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import as_written
 from supple.viz.time_history import NOISE, Panel, Series, plot_time_history
 
-__all__ = ["draw_energies", "draw_joint_forces", "draw_tracked", "plot_readings"]
-
 Array = NDArray[np.float64]
 
 _APART = 5.0
