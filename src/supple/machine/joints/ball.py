@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import jax
 
-from supple.machine.joints.joint import Joint, closing
+from supple.machine.joints.joint import POSITION, Joint, closing
 from supple.machine.pose import Pose
 
 __all__ = ["Ball"]
@@ -18,7 +18,7 @@ class Ball(Joint):
     """Ball joint: the points of both ends coincide, `r_2 - r_1 = 0`; all rotations are free."""
 
     n_constraints: ClassVar[int] = 3
-    rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z")
+    rows: ClassVar[tuple[str, ...]] = POSITION
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004

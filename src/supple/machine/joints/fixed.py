@@ -8,7 +8,7 @@ from typing import ClassVar
 import jax
 import numpy as np
 
-from supple.machine.joints.joint import Joint, axes_along, closing, relative_turn, stack
+from supple.machine.joints.joint import POSITION, ROTATION, Joint, axes_along, closing, relative_turn, stack
 from supple.machine.pose import Pose
 
 __all__ = ["Fixed"]
@@ -27,14 +27,7 @@ class Fixed(Joint):
     """Direction in the initial configuration, global; the x axis is as near it as possible."""
 
     n_constraints: ClassVar[int] = 6
-    rows: ClassVar[tuple[str, ...]] = (
-        "position x",
-        "position y",
-        "position z",
-        "rotation x",
-        "rotation y",
-        "rotation z",
-    )
+    rows: ClassVar[tuple[str, ...]] = (*POSITION, *ROTATION)
 
     @property
     def initial_axes(self) -> np.ndarray:

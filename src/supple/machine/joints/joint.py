@@ -25,6 +25,11 @@ from supple.machine.pose import Pose
 
 __all__ = ["Joint"]
 
+POSITION = ("position x", "position y", "position z")
+ROTATION = ("rotation x", "rotation y", "rotation z")
+TILT = ("tilt about x", "tilt about y")
+"""Names of equations, for `Joint.rows`."""
+
 
 def relative_turn(first: Pose, second: Pose) -> jax.Array:
     """`sin(angle) axis` of the rotation from the first frame to the second, in the first frame, (3,)."""
@@ -110,6 +115,19 @@ class Joint(ABC):
 
         value : value of `law` at this time; None without a law
         """
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxialJoint(Joint):
+    """A joint with an axis, or a line, fixed to its first end."""
+
+    axis: tuple[float, float, float]
+    """Direction of the axis in the initial configuration, in global components."""
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the axis."""
+        return axes_along(self.axis)
 
 
 def closing(first: Pose, second: Pose) -> jax.Array:

@@ -6,31 +6,22 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import jax
-import numpy as np
 
-from supple.machine.joints.joint import Joint, axes_along, closing
+from supple.machine.joints.joint import POSITION, AxialJoint, closing
 from supple.machine.pose import Pose
 
 __all__ = ["PointOnLine"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class PointOnLine(Joint):
+class PointOnLine(AxialJoint):
     """Point on a line, such as a pin in a straight slot: the second end stays on a line of the first end.
 
     `x_1 . (r_2 - r_1) = y_1 . (r_2 - r_1) = 0`; x_1 and y_1 are axes of the first end, normal to the line.
     """
 
-    axis: tuple[float, float, float]
-    """Direction of the line in the initial configuration, in global components."""
-
     n_constraints: ClassVar[int] = 2
-    rows: ClassVar[tuple[str, ...]] = ("position x", "position y")
-
-    @property
-    def initial_axes(self) -> np.ndarray:
-        """Z along the line."""
-        return axes_along(self.axis)
+    rows: ClassVar[tuple[str, ...]] = POSITION[:2]
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004

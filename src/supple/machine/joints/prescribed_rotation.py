@@ -7,10 +7,9 @@ from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from supple.machine.joints.fixed import Fixed
-from supple.machine.joints.joint import Joint, axes_along, closing, relative_turn, stack
+from supple.machine.joints.joint import AxialJoint, closing, relative_turn, stack
 from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.pose import Pose
 
@@ -18,21 +17,14 @@ __all__ = ["PrescribedRotation"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class PrescribedRotation(Joint):
+class PrescribedRotation(AxialJoint):
     """A fixed joint whose second end rotates about an axis of the first end by a given angle over time."""
 
-    axis: tuple[float, float, float]
-    """Direction of the axis in the initial configuration, in global components."""
     angle: Any
     """Angle from the initial configuration, rad: a number, a law, or a function of time in `jax.numpy`."""
 
     n_constraints: ClassVar[int] = Fixed.n_constraints
     rows: ClassVar[tuple[str, ...]] = Fixed.rows
-
-    @property
-    def initial_axes(self) -> np.ndarray:
-        """Z along the joint's axis."""
-        return axes_along(self.axis)
 
     @property
     def law(self) -> TimeLaw:

@@ -7,10 +7,9 @@ from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from supple.machine.joints.fixed import Fixed
-from supple.machine.joints.joint import Joint, axes_along, closing, relative_turn, stack
+from supple.machine.joints.joint import AxialJoint, closing, relative_turn, stack
 from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.pose import Pose
 
@@ -18,21 +17,14 @@ __all__ = ["PrescribedTranslation"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class PrescribedTranslation(Joint):
+class PrescribedTranslation(AxialJoint):
     """A fixed joint whose second end moves along an axis of the first end by a given distance over time."""
 
-    axis: tuple[float, float, float]
-    """Direction of the axis in the initial configuration, in global components."""
     displacement: Any
     """Distance from the initial configuration: a number, a law, or a function of time in `jax.numpy`."""
 
     n_constraints: ClassVar[int] = Fixed.n_constraints
     rows: ClassVar[tuple[str, ...]] = Fixed.rows
-
-    @property
-    def initial_axes(self) -> np.ndarray:
-        """Z along the joint's axis."""
-        return axes_along(self.axis)
 
     @property
     def law(self) -> TimeLaw:

@@ -6,28 +6,19 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import jax
-import numpy as np
 
-from supple.machine.joints.joint import Joint, axes_along, closing, relative_turn, stack
+from supple.machine.joints.joint import POSITION, ROTATION, AxialJoint, closing, relative_turn, stack
 from supple.machine.pose import Pose
 
 __all__ = ["Prismatic"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Prismatic(Joint):
+class Prismatic(AxialJoint):
     """Prismatic joint: the second end slides along an axis of the first end, without relative rotation."""
 
-    axis: tuple[float, float, float]
-    """Direction of the axis in the initial configuration, in global components."""
-
     n_constraints: ClassVar[int] = 5
-    rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "rotation x", "rotation y", "rotation z")
-
-    @property
-    def initial_axes(self) -> np.ndarray:
-        """Z along the joint's axis."""
-        return axes_along(self.axis)
+    rows: ClassVar[tuple[str, ...]] = (*POSITION[:2], *ROTATION)
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004

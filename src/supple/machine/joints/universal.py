@@ -8,7 +8,7 @@ from typing import ClassVar
 import jax
 import numpy as np
 
-from supple.machine.joints.joint import Joint, axes_along, closing, stack
+from supple.machine.joints.joint import POSITION, Joint, axes_along, closing, stack
 from supple.machine.pose import Pose
 
 __all__ = ["Universal"]
@@ -27,7 +27,7 @@ class Universal(Joint):
     """Axis fixed to the second end, given like `first_axis`; a component along the first axis is removed."""
 
     n_constraints: ClassVar[int] = 4
-    rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z", "angle between the axes")
+    rows: ClassVar[tuple[str, ...]] = (*POSITION, "angle between the axes")
 
     @property
     def initial_axes(self) -> np.ndarray:
