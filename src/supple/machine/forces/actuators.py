@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
 
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.relative_motion import force_pair, moment_pair
-from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["ForceBetween", "TorqueBetween"]
@@ -23,10 +22,7 @@ class TorqueBetween(AxialElement):
     torque: Any = 0.0
     """a number or a law of time; the output of a controller adds to it"""
 
-    @property
-    def law(self) -> TimeLaw:
-        """The torque over time."""
-        return as_time_law(self.torque)
+    law_field: ClassVar[str] = "torque"
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
@@ -41,10 +37,7 @@ class ForceBetween(AxialElement):
     force: Any = 0.0
     """a number or a law of time; the output of a controller adds to it"""
 
-    @property
-    def law(self) -> TimeLaw:
-        """The force over time."""
-        return as_time_law(self.force)
+    law_field: ClassVar[str] = "force"
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004

@@ -12,7 +12,7 @@ import numpy as np
 from supple.arguments import check_fields, check_ranges
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, At, as_end
-from supple.machine.laws.time_law import TimeLaw, check_law_kind
+from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_kind
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["ForceElement"]
@@ -27,6 +27,8 @@ class ForceElement(ABC):
     second: At | Any = GROUND
     """The other end."""
 
+    law_field: ClassVar[str] = ""
+    """Field with the law of time: a number, an array, a function of time or a law; empty without one."""
     value_shape: ClassVar[tuple[int, ...]] = ()
     """Shape of the law's value, if there is a law."""
     acts_along_line: ClassVar[bool] = False
@@ -70,7 +72,7 @@ class ForceElement(ABC):
     @property
     def law(self) -> TimeLaw | None:
         """The law of time; None without one."""
-        return None
+        return as_time_law(getattr(self, self.law_field)) if self.law_field else None
 
     @property
     def parameters(self) -> tuple[Any, ...]:
@@ -92,12 +94,27 @@ class ForceElement(ABC):
         return 0.0
 
 
-def check_anchor(element: ForceElement, anchor: Any) -> None:
-    """Raise ModelError unless the anchor is finite (3,) for an end on the ground, else None."""
-    if (GROUND in (element.first, element.second)) != (anchor is not None):
-        raise ModelError(
-            f"{element.label}: an end on the ground, and only such an end, needs an anchor: the global "
-            "point it is fixed to"
-        )
-    if anchor is not None and not (np.shape(anchor) == (3,) and np.isfinite(anchor).all()):
-        raise ModelError(f"{element.label}: the anchor must be three finite numbers, got {anchor}")
+@dataclass(frozen=True, kw_only=True)
+class AnchoredElement(ForceElement):
+    """A force element of which one end may be a point fixed to the ground.
+
+    anchor : global position (3,) of the end "ground"; None if both ends are interfaces
+    Raises ModelError for an end on the ground without an anchor, and for an anchor without such an end.
+    """
+
+    anchor: tuple[float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (GROUND in (self.first, self.second)) != (self.anchor is not None):
+            raise ModelError(
+                f"{self.label}: an end on the ground, and only such an end, needs an anchor: the global "
+                "point it is fixed to"
+            )
+        if self.anchor is not None and not (np.shape(self.anchor) == (3,) and np.isfinite(self.anchor).all()):
+            raise ModelError(f"{self.label}: the anchor must be three finite numbers, got {self.anchor}")
+
+    @property
+    def ground_point(self) -> np.ndarray | None:
+        """The anchor."""
+        return None if self.anchor is None else np.asarray(self.anchor, dtype=float)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -14,7 +14,6 @@ from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
 from supple.machine.laws.constant import Constant
-from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["Coulomb", "PrismaticFriction", "RevoluteFriction"]
@@ -65,14 +64,11 @@ class RevoluteFriction(AxialElement):
     moment: Any
     width: Positive
 
+    law_field: ClassVar[str] = "moment"
+
     def __post_init__(self) -> None:
         super().__post_init__()
-        _check_resists(self, "moment", self.law)
-
-    @property
-    def law(self) -> TimeLaw:
-        """The moment over time."""
-        return as_time_law(self.moment)
+        _check_resists(self)
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -100,14 +96,11 @@ class PrismaticFriction(AxialElement):
     force: Any
     width: Positive
 
+    law_field: ClassVar[str] = "force"
+
     def __post_init__(self) -> None:
         super().__post_init__()
-        _check_resists(self, "force", self.law)
-
-    @property
-    def law(self) -> TimeLaw:
-        """The force over time."""
-        return as_time_law(self.force)
+        _check_resists(self)
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -122,9 +115,10 @@ class PrismaticFriction(AxialElement):
         return force_pair(first, second, force, jnp.zeros(3))
 
 
-def _check_resists(element: AxialElement, what: str, law: TimeLaw) -> None:
+def _check_resists(element: AxialElement) -> None:
+    law = element.law
     if isinstance(law, Constant) and np.any(np.asarray(law.value) < 0):
         raise ModelError(
-            f"{element.label}: the {what} must not be negative, got {law.value}: friction would drive the "
-            "motion. Give the magnitude; friction acts against either direction"
+            f"{element.label}: the {element.law_field} must not be negative, got {law.value}: friction would "
+            "drive the motion. Give the magnitude; friction acts against either direction"
         )

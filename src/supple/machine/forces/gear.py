@@ -12,7 +12,7 @@ import numpy as np
 from supple.arguments import NotNegative, Positive
 from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import check_anchor
+from supple.machine.forces.force_element import AnchoredElement
 from supple.machine.forces.relative_motion import wrapped
 from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
@@ -23,7 +23,7 @@ _TEETH = 2
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gear(AxialElement):
+class Gear(AnchoredElement, AxialElement):
     """Spur gear: a force `k s + c ds/dt` across the line of centres, at the pitch point.
 
         s = l (z_1 phi_1 + z_2 phi_2) / (z_1 + z_2),      l = |r_2 - r_1|
@@ -39,14 +39,12 @@ class Gear(AxialElement):
     stiffness : k of the tooth mesh, force per length
     damping : c of the tooth mesh, force per velocity
     anchor : global position of the centre of a wheel that is fixed to the ground
-    Raises ModelError for numbers of teeth that are not whole, are zero, or have the sum zero, and for an
-    anchor without an end on the ground, or such an end without an anchor.
+    Raises ModelError for numbers of teeth that are not whole, are zero, or have the sum zero.
     """
 
     teeth: tuple[int, int]
     stiffness: Positive
     damping: NotNegative = 0.0
-    anchor: tuple[float, float, float] | None = None
     line: tuple[float, float, float] | None = None
     """Vector from the first centre to the second at assembly; default from the positions of the ends"""
 
@@ -54,7 +52,6 @@ class Gear(AxialElement):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_anchor(self, self.anchor)
         whole = len(self.teeth) == _TEETH and all(z == int(z) and z for z in self.teeth)
         if not whole or sum(self.teeth) == 0:
             raise ModelError(
@@ -66,11 +63,6 @@ class Gear(AxialElement):
     def initial_axes(self) -> np.ndarray:
         """Z along the axis, x along the line of centres at assembly."""
         return axes_along(self.axis, hint=self.line)
-
-    @property
-    def ground_point(self) -> np.ndarray | None:
-        """The anchor."""
-        return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -9,7 +9,6 @@ import jax
 import jax.numpy as jnp
 
 from supple.machine.forces.force_element import ForceElement
-from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["DeadTorque", "FollowerForce", "FollowerTorque"]
@@ -26,13 +25,9 @@ class FollowerForce(ForceElement):
     force: Any
     """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
 
+    law_field: ClassVar[str] = "force"
     value_shape: ClassVar[tuple[int, ...]] = (3,)
     acts_on_first_alone: ClassVar[bool] = True
-
-    @property
-    def law(self) -> TimeLaw:
-        """The force over time."""
-        return as_time_law(self.force)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
@@ -47,13 +42,9 @@ class FollowerTorque(ForceElement):
     torque: Any
     """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
 
+    law_field: ClassVar[str] = "torque"
     value_shape: ClassVar[tuple[int, ...]] = (3,)
     acts_on_first_alone: ClassVar[bool] = True
-
-    @property
-    def law(self) -> TimeLaw:
-        """The torque over time."""
-        return as_time_law(self.torque)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
@@ -68,13 +59,9 @@ class DeadTorque(ForceElement):
     torque: Any
     """(3,) global components."""
 
+    law_field: ClassVar[str] = "torque"
     value_shape: ClassVar[tuple[int, ...]] = (3,)
     acts_on_first_alone: ClassVar[bool] = True
-
-    @property
-    def law(self) -> TimeLaw:
-        """The torque over time."""
-        return as_time_law(self.torque)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004

@@ -10,7 +10,6 @@ import jax
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.characteristic import Curve, Surface, curve_at, surface_at
 from supple.machine.forces.relative_motion import axial_motion, moment_pair
-from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["MotorCurve"]
@@ -29,12 +28,8 @@ class MotorCurve(AxialElement):
     torque: Curve | Surface
     command: Any = 1.0
 
+    law_field: ClassVar[str] = "command"
     blocked_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
-
-    @property
-    def law(self) -> TimeLaw:
-        """The command."""
-        return as_time_law(self.command)
 
     @property
     def parameters(self) -> tuple[Any, ...]:

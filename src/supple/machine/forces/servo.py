@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +13,7 @@ from supple.arguments import NotNegative
 from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
-from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_shape
+from supple.machine.laws.time_law import as_time_law, check_law_shape
 from supple.machine.laws.with_rate import WithRate
 from supple.machine.pose import Parameters, Pose, Wrenches
 
@@ -21,7 +21,38 @@ __all__ = ["AngleServo", "SlideServo"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class AngleServo(AxialElement):
+class Servo(AxialElement):
+    """A force or moment towards the set-point in the field `law_field`, limited in magnitude."""
+
+    stiffness: NotNegative
+    damping: NotNegative = 0.0
+    limit: float = np.inf
+
+    value_shape: ClassVar[tuple[int, ...]] = (2,)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_law_shape(self.label, self.law.of, ())
+        if not self.limit > 0:
+            raise ModelError(f"{self.label}: the limit must be positive, or infinite, got {self.limit}")
+
+    @property
+    def law(self) -> WithRate:
+        """The set-point and its rate."""
+        return WithRate(as_time_law(getattr(self, self.law_field)))
+
+    def held(self, time: float) -> Self:
+        """The servo with the set-point of this time as a constant."""
+        return replace(self, **{self.law_field: float(self.law(time)[0])})
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """`(k, c, limit)`."""
+        return (self.stiffness, self.damping, self.limit)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AngleServo(Servo):
     """Moment `k (phi_0 - phi) + c (dphi_0/dt - dphi/dt)` about a hinge, limited in magnitude.
 
     The difference `phi_0 - phi` is wrapped to (-pi, pi]: the number of revolutions is not limited, but the
@@ -34,30 +65,9 @@ class AngleServo(AxialElement):
     """
 
     angle: Any
-    stiffness: NotNegative
-    damping: NotNegative = 0.0
-    limit: float = np.inf
 
+    law_field: ClassVar[str] = "angle"
     blocked_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
-    value_shape: ClassVar[tuple[int, ...]] = (2,)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _check(self, self.angle)
-
-    @property
-    def law(self) -> TimeLaw:
-        """The angle and its rate."""
-        return WithRate(as_time_law(self.angle))
-
-    def held(self, time: float) -> AngleServo:
-        """The servo with the set-point of this time as a constant."""
-        return replace(self, angle=float(self.law(time)[0]))
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """`(k, c, limit)`."""
-        return (self.stiffness, self.damping, self.limit)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
@@ -69,7 +79,7 @@ class AngleServo(AxialElement):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SlideServo(AxialElement):
+class SlideServo(Servo):
     """Force `k (x_0 - x) + c (dx_0/dt - dx/dt)` along an axis of the first end, limited in magnitude.
 
     In statics and modes the set-point is held constant.
@@ -81,30 +91,9 @@ class SlideServo(AxialElement):
     """
 
     slide: Any
-    stiffness: NotNegative
-    damping: NotNegative = 0.0
-    limit: float = np.inf
 
+    law_field: ClassVar[str] = "slide"
     blocked_by: ClassVar[tuple[str, ...]] = ("position",)
-    value_shape: ClassVar[tuple[int, ...]] = (2,)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _check(self, self.slide)
-
-    @property
-    def law(self) -> TimeLaw:
-        """The slide and its rate."""
-        return WithRate(as_time_law(self.slide))
-
-    def held(self, time: float) -> SlideServo:
-        """The servo with the set-point of this time as a constant."""
-        return replace(self, slide=float(self.law(time)[0]))
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """`(k, c, limit)`."""
-        return (self.stiffness, self.damping, self.limit)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
@@ -117,9 +106,3 @@ class SlideServo(AxialElement):
 def _effort(lag: jax.Array, lag_rate: jax.Array, parameters: Parameters) -> jax.Array:
     stiffness, damping, limit = parameters
     return jnp.clip(stiffness * lag + damping * lag_rate, -limit, limit)
-
-
-def _check(servo: Any, target: Any) -> None:
-    check_law_shape(servo.label, as_time_law(target), ())
-    if not servo.limit > 0:
-        raise ModelError(f"{servo.label}: the limit must be positive, or infinite, got {servo.limit}")

@@ -12,7 +12,7 @@ import numpy as np
 from supple.arguments import NotNegative, Positive
 from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import check_anchor
+from supple.machine.forces.force_element import AnchoredElement
 from supple.machine.forces.friction import Coulomb, regularized_direction
 from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
@@ -23,7 +23,7 @@ _NO_FRICTION = (0.0, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class SphereContact(AxialElement):
+class SphereContact(AnchoredElement, AxialElement):
     """A sphere about the first end against a surface fixed to the second.
 
     At the deepest point of the sphere, the penalty force acts along the normal n of the surface, and friction
@@ -37,22 +37,11 @@ class SphereContact(AxialElement):
     radius : radius of the sphere, a length; 0 for a point, such as an interface at a node
     penalty : stiffness and dissipation of the contact
     friction : Coulomb friction; None: no friction
-    anchor : global position of the ground end, a length; None without an end on the ground
     """
 
     radius: NotNegative = 0.0
     penalty: Penalty
     friction: Coulomb | None = None
-    anchor: tuple[float, float, float] | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_anchor(self, self.anchor)
-
-    @property
-    def ground_point(self) -> np.ndarray | None:
-        """The anchor."""
-        return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -86,9 +75,6 @@ class SphereOnCylinder(SphereContact):
     """
 
     cylinder_radius: Positive
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
 
     @property
     def parameters(self) -> tuple[float, ...]:

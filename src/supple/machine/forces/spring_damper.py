@@ -10,14 +10,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.arguments import NotNegative
-from supple.machine.forces.force_element import ForceElement, check_anchor
+from supple.machine.forces.force_element import AnchoredElement
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["SpringDamper"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpringDamper(ForceElement):
+class SpringDamper(AnchoredElement):
     """Spring and damper with the tension `k (l - l_0) + c dl/dt` along the line between its ends.
 
     l is the distance of the two ends, which must not coincide.
@@ -25,24 +25,13 @@ class SpringDamper(ForceElement):
     stiffness : k, force per length
     damping : c, force per velocity
     rest_length : l_0; None: the distance of the ends at assembly
-    anchor : global position (3,) of the end "ground"; None if both ends are interfaces
     """
 
     stiffness: NotNegative = 0.0
     damping: NotNegative = 0.0
     rest_length: NotNegative | None = 0.0
-    anchor: tuple[float, float, float] | None = None
 
     acts_along_line: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_anchor(self, self.anchor)
-
-    @property
-    def ground_point(self) -> np.ndarray | None:
-        """The anchor."""
-        return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> SpringDamper:
         """The spring with a rest length: if `rest_length` is None, the distance of its ends at assembly."""

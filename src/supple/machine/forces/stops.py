@@ -11,7 +11,7 @@ import numpy as np
 
 from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import ForceElement, check_anchor
+from supple.machine.forces.force_element import AnchoredElement
 from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
@@ -93,30 +93,22 @@ class SlideStop(AxialElement):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DistanceStop(ForceElement):
+class DistanceStop(AnchoredElement):
     """Force that limits the distance of two points to `lower <= l <= upper`: a rope or a bump stop.
 
     lower, upper : limits of the distance, a length; an infinite upper limit is no stop
     penalty : Penalty, whose depth is the distance beyond a limit
-    anchor : global position of the ground end, a length; None without an end on the ground
     """
 
     lower: float = 0.0
     upper: float = np.inf
     penalty: Penalty
-    anchor: tuple[float, float, float] | None = None
 
     acts_along_line: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_anchor(self, self.anchor)
         _check_limits(self, self.lower, self.upper)
-
-    @property
-    def ground_point(self) -> np.ndarray | None:
-        """The anchor."""
-        return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 from supple.arguments import check_fields, check_numbers
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, as_end
-from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_kind
+from supple.machine.laws.time_law import check_law_kind
 from supple.machine.nodal_loads.nodal_load import NodalLoad, node_numbers
 
 __all__ = ["DeadForce"]
@@ -35,6 +35,7 @@ class DeadForce(NodalLoad):
     It is a constant, a law or a function of time.
     """
 
+    law_field: ClassVar[str] = "force"
     follows_nodes: ClassVar[bool] = False
     turns_against_frame: ClassVar[bool] = True
 
@@ -52,11 +53,6 @@ class DeadForce(NodalLoad):
             raise ModelError("DeadForce acts on the ground: give a body's interface")
         object.__setattr__(self, "body", end.body)
         object.__setattr__(self, "at", end.interface)
-
-    @property
-    def law(self) -> TimeLaw:
-        """The forces over time."""
-        return as_time_law(self.force)
 
     @property
     def label(self) -> str:

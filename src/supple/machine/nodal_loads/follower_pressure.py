@@ -12,7 +12,7 @@ import numpy as np
 
 from supple.arguments import check_fields, check_numbers
 from supple.errors import ModelError
-from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_kind
+from supple.machine.laws.time_law import check_law_kind
 from supple.machine.nodal_loads.nodal_load import NodalLoad
 
 __all__ = ["FollowerPressure"]
@@ -35,6 +35,7 @@ class FollowerPressure(NodalLoad):
     pressure: Any
     """Pa: a constant, a law or a function of time."""
 
+    law_field: ClassVar[str] = "pressure"
     follows_nodes: ClassVar[bool] = True
     turns_against_frame: ClassVar[bool] = False
 
@@ -52,11 +53,6 @@ class FollowerPressure(NodalLoad):
             raise ModelError(f"FollowerPressure on '{self.body}': node indices of faces must be integers")
         if any(len(set(face)) < len(face) for face in faces.tolist()):
             raise ModelError(f"FollowerPressure on '{self.body}': a face has one node twice")
-
-    @property
-    def law(self) -> TimeLaw:
-        """The pressure over time."""
-        return as_time_law(self.pressure)
 
     @property
     def label(self) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 
 from supple.arguments import check_numbers
 from supple.errors import ModelError
-from supple.machine.laws.time_law import TimeLaw
+from supple.machine.laws.time_law import TimeLaw, as_time_law
 
 __all__ = ["NodalLoad"]
 
@@ -26,6 +26,8 @@ class NodalLoad(ABC):
 
     body: str
 
+    law_field: ClassVar[str]
+    """Field with the law of time: a number, an array, a function of time or a law."""
     follows_nodes: ClassVar[bool]
     """True if the forces, in body components, depend on the displacements of the nodes."""
     turns_against_frame: ClassVar[bool]
@@ -37,9 +39,9 @@ class NodalLoad(ABC):
         """Name for messages."""
 
     @property
-    @abstractmethod
     def law(self) -> TimeLaw:
         """The law of time."""
+        return as_time_law(getattr(self, self.law_field))
 
     @property
     @abstractmethod
