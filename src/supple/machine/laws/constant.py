@@ -12,14 +12,14 @@ from jax.typing import ArrayLike
 from supple.algebra import read_only
 from supple.errors import ModelError
 from supple.machine.laws.law_numbers import are_numbers
-from supple.machine.laws.unbounded_law import UnboundedLaw
+from supple.machine.laws.unbounded_law import SmoothLaw
 
 __all__ = ["Constant"]
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
-class Constant(UnboundedLaw):
+class Constant(SmoothLaw):
     """The same value at all times.
 
     value : number or array
@@ -39,11 +39,3 @@ class Constant(UnboundedLaw):
     def __call__(self, time: ArrayLike) -> jax.Array:  # noqa: ARG002 - the signature of a law
         """The value."""
         return self.value
-
-    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - no kinks
-        """An empty array: the law has no kinks."""
-        return np.zeros(0)
-
-    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002
-        """Infinity: the law has no time scale."""
-        return float("inf")

@@ -6,18 +6,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import jax
-import numpy as np
 from jax.typing import ArrayLike
 
 from supple.machine.laws.law_numbers import are_numbers, finite
-from supple.machine.laws.unbounded_law import UnboundedLaw
+from supple.machine.laws.unbounded_law import SmoothLaw
 
 __all__ = ["ConstantRate"]
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
-class ConstantRate(UnboundedLaw):
+class ConstantRate(SmoothLaw):
     """Linear law `q(t) = start + rate t`.
 
     If the law prescribes a motion, the initial velocities of the bodies must agree with the rate. Otherwise
@@ -37,11 +36,3 @@ class ConstantRate(UnboundedLaw):
     def __call__(self, time: ArrayLike) -> jax.Array:
         """The value at a time."""
         return self.start + self.rate * time
-
-    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - no kinks
-        """An empty array: the law has no kinks."""
-        return np.zeros(0)
-
-    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002
-        """Infinity: the law has no time scale."""
-        return float("inf")

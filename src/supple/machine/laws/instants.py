@@ -12,6 +12,7 @@ from supple.machine.laws.time_law import TimeLaw
 
 __all__ = [
     "KnownLaw",
+    "OfLaws",
     "instants_of_law",
     "rows_that_bend",
     "shortest_scale_of",
@@ -44,6 +45,33 @@ def instants_of_law(law: TimeLaw, begin: float, end: float) -> np.ndarray:
     if isinstance(law, KnownLaw):
         return law.instants(begin, end)
     return sampled_instants(law, begin, end)
+
+
+class OfLaws:
+    """Base of laws that are functions of other laws, at the same time."""
+
+    @property
+    def parts(self) -> tuple[TimeLaw, ...]:
+        """The other laws."""
+        raise NotImplementedError
+
+    @property
+    def begin(self) -> float:
+        """First time at which all parts are defined."""
+        return max(law.begin for law in self.parts)
+
+    @property
+    def end(self) -> float:
+        """Last time at which all parts are defined."""
+        return min(law.end for law in self.parts)
+
+    def instants(self, begin: float, end: float) -> np.ndarray:
+        """Instants of the parts, ascending."""
+        return np.unique(np.concatenate([instants_of_law(law, begin, end) for law in self.parts]))
+
+    def shortest_scale(self, begin: float, end: float) -> float:
+        """Shortest time scale of the parts."""
+        return min(shortest_scale_of(law, begin, end) for law in self.parts)
 
 
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)

@@ -7,19 +7,18 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax.typing import ArrayLike
 
-from supple.machine.laws.instants import instants_of_law, shortest_scale_of
+from supple.machine.laws.instants import OfLaws
 from supple.machine.laws.law_numbers import are_numbers, finite
-from supple.machine.laws.time_law import as_time_law, check_law_shape
+from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_shape
 
 __all__ = ["Scaled"]
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
-class Scaled:
+class Scaled(OfLaws):
     """`v(t) = vector factor(t)`: a fixed direction, or a fixed pattern over nodes, times a law of time.
 
     vector : (..., 3)       value of the law where the factor is 1
@@ -41,19 +40,6 @@ class Scaled:
         return jnp.asarray(self.vector) * self.factor(time)
 
     @property
-    def begin(self) -> float:
-        """First time at which the law is defined."""
-        return self.factor.begin
-
-    @property
-    def end(self) -> float:
-        """Last time at which the law is defined."""
-        return self.factor.end
-
-    def instants(self, begin: float, end: float) -> np.ndarray:
-        """Instants of the factor."""
-        return instants_of_law(self.factor, begin, end)
-
-    def shortest_scale(self, begin: float, end: float) -> float:
-        """Shortest time scale of the factor."""
-        return shortest_scale_of(self.factor, begin, end)
+    def parts(self) -> tuple[TimeLaw, ...]:
+        """The factor."""
+        return (self.factor,)

@@ -8,18 +8,17 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax.typing import ArrayLike
 
 from supple.machine.laws.law_numbers import are_numbers, finite
-from supple.machine.laws.unbounded_law import UnboundedLaw
+from supple.machine.laws.unbounded_law import SmoothLaw
 
 __all__ = ["Sine"]
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
-class Sine(UnboundedLaw):
+class Sine(SmoothLaw):
     """`q(t) = amplitude sin(2 pi frequency_hz t)`.
 
     amplitude : number or array
@@ -40,10 +39,6 @@ class Sine(UnboundedLaw):
     def __call__(self, time: ArrayLike) -> jax.Array:
         """The value at a time."""
         return self.amplitude * jnp.sin(2.0 * math.pi * self.frequency_hz * time)
-
-    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - it is smooth everywhere
-        """An empty array: the law has no kinks."""
-        return np.zeros(0)
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002
         """The period; infinite for a frequency of zero."""

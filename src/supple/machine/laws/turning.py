@@ -13,10 +13,10 @@ from jax.typing import ArrayLike
 from supple.algebra import read_only
 from supple.arguments import check_numbers
 from supple.errors import ModelError
-from supple.machine.laws.instants import instants_of_law, shortest_scale_of
+from supple.machine.laws.instants import OfLaws
 from supple.machine.laws.law_numbers import are_numbers
 from supple.machine.laws.sampled_law import law_samples
-from supple.machine.laws.time_law import as_time_law
+from supple.machine.laws.time_law import TimeLaw, as_time_law
 
 __all__ = ["Turning"]
 
@@ -26,7 +26,7 @@ N_SPEEDS = 257
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
-class Turning:
+class Turning(OfLaws):
     """Vectors given in rotating axes: v(t) = R(axis, angle(t)) vectors(t), R by Rodrigues' formula.
 
     vectors : components (..., 3) in the rotating axes: a constant, a law or a function of time
@@ -60,23 +60,13 @@ class Turning:
         return along + jnp.cos(angle) * (v - along) + jnp.sin(angle) * jnp.cross(a, v)
 
     @property
-    def begin(self) -> float:
-        """First time at which the law is defined."""
-        return max(self.vectors.begin, self.angle.begin)
-
-    @property
-    def end(self) -> float:
-        """Last time at which the law is defined."""
-        return min(self.vectors.end, self.angle.end)
-
-    def instants(self, begin: float, end: float) -> np.ndarray:
-        """Instants of the laws of the vectors and of the angle, ascending."""
-        own = (instants_of_law(law, begin, end) for law in (self.vectors, self.angle))
-        return np.unique(np.concatenate([*own]))
+    def parts(self) -> tuple[TimeLaw, ...]:
+        """Vectors and angle."""
+        return self.vectors, self.angle
 
     def shortest_scale(self, begin: float, end: float) -> float:
         """Shortest of the time scales of vectors and angle, and of the time of the fastest revolution."""
         times = np.linspace(begin, end, N_SPEEDS)
         fastest = float(np.max(np.abs(law_samples(self.angle, times, order=1)[1]), initial=0.0))
         turn = 2 * np.pi / fastest if fastest > 0 else float("inf")
-        return min(turn, *(shortest_scale_of(law, begin, end) for law in (self.vectors, self.angle)))
+        return min(turn, super().shortest_scale(begin, end))
