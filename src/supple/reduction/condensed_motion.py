@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.algebra import read_only
+from supple.algebra import ReadOnlyArrays
 
 __all__ = ["CondensedMotion"]
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class CondensedMotion:
+class CondensedMotion(ReadOnlyArrays):
     """Nodal motion z that follows the coordinates statically; the quartic tensor lacks the released energy.
 
         z(gamma) = fields @ (amplitudes @ m2),   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
@@ -32,12 +32,6 @@ class CondensedMotion:
     fields: Array
     amplitudes: Array
     moments: Array | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "fields", read_only(self.fields))
-        object.__setattr__(self, "amplitudes", read_only(self.amplitudes))
-        if self.moments is not None:
-            object.__setattr__(self, "moments", read_only(self.moments))
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -11,6 +11,7 @@ from scipy import linalg
 from supple.body import FlexibleBody
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import LockingWarning
+from supple.reduction.bases.steady_loads import NAMES
 from supple.reduction.condensation import Condensation
 from supple.reduction.reduction_report import ROTATION, Locking, in_percent
 from supple.reduction.tensors import InternalForceTensors
@@ -20,14 +21,6 @@ Array = NDArray[np.float64]
 TOLERATED = 0.02
 """Relative deficit of the static response, above which `warn_of_locking` warns."""
 
-_ACCELERATIONS = (
-    "acceleration x",
-    "acceleration y",
-    "acceleration z",
-    "angular acceleration x",
-    "angular acceleration y",
-    "angular acceleration z",
-)
 _INCREMENTS, _ITERATIONS, _HALVINGS, _TOLERANCE = 4, 40, 8, 1e-8
 """Numbers of load increments, iterations in each, and halvings of a step; largest relative residual."""
 
@@ -89,7 +82,7 @@ def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, .
         # The reaction at the interface balances the loads: the sum does no work on the six rigid motions.
         moves = held @ body.rigid_modes
         forces = forces - held.T @ np.linalg.solve(moves.T, body.rigid_modes.T @ forces)
-        names, loads = _ACCELERATIONS, (V.T @ forces).T
+        names, loads = NAMES[:6], (V.T @ forces).T
         relative = held[3:] @ V
     else:
         _, shapes = np.linalg.eigh(stiffness)

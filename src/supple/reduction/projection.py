@@ -95,7 +95,8 @@ def _projection(
                 tensors = products.internal_force()
             motion = quartic.motion(left_out)
 
-    material = products.material(tensors) if time else None
+    material = products.material(tensors) if time else (None, None)
+    damping_cubic, damping_quartic = (None if each is None else time * each for each in material)
     nodal_basis = body.expansion @ V
     rotations = body.rotation_operator
     reduced = ReducedBody(
@@ -107,8 +108,8 @@ def _projection(
         quartic=tensors.quartic,
         damping=damping_matrix(damping, body, V, tensors.stiffness)
         + (0.0 if body.damping is None else V.T @ (body.damping @ V)),
-        damping_cubic=None if material is None else time * material.cubic,
-        damping_quartic=None if material is None else time * material.quartic,
+        damping_cubic=damping_cubic,
+        damping_quartic=damping_quartic,
         interfaces=tuple(
             ReducedInterface(
                 i.name, i.position, i.motion @ V, i.cubic_turn, i.tied_nodes, section_softness(body, i)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.algebra import read_only
+from supple.algebra import ReadOnlyArrays
 from supple.body.interface import interface_named
 from supple.body.mass_properties import centre_of_gram
 from supple.body.point_motion import FloatingForm
@@ -32,7 +31,7 @@ LARGEST_ASYMMETRY = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class ReducedInterface:
+class ReducedInterface(ReadOnlyArrays):
     """An interface of the reduced body: its motion (u, theta) is motion @ gamma, exactly; z does not move it.
 
     name : str
@@ -50,12 +49,9 @@ class ReducedInterface:
     tied_nodes: np.ndarray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     softness: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
-    def __post_init__(self):
-        _set_read_only(self)
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ReducedBody(FloatingForm, Summarized):
+class ReducedBody(FloatingForm, Summarized, ReadOnlyArrays):
     """A flexible body in r coordinates gamma, amplitudes of M-orthonormal columns V (V^T M V = I, D V = 0).
 
         u_nodal = nodal_basis @ gamma + z(gamma),   z: condensed motion, quadratic in gamma
@@ -129,8 +125,8 @@ class ReducedBody(FloatingForm, Summarized):
     def __getstate__(self) -> dict[str, Any]:
         return vars(self) | {"full": None}
 
-    def __post_init__(self):
-        _set_read_only(self)
+    def __post_init__(self) -> None:
+        super().__post_init__()
         _check_shapes(self)
         _check_potential(self)
 
@@ -262,15 +258,6 @@ def _combine(fields: np.ndarray, gamma: ArrayLike) -> np.ndarray:
     gamma = np.asarray(gamma)
     n_points, _, r = fields.shape
     return (gamma @ fields.reshape(3 * n_points, r).T).reshape(*gamma.shape[:-1], n_points, 3)
-
-
-def _set_read_only(record) -> None:
-    """Replace every array of a frozen dataclass by a private, read-only copy."""
-    for item in dataclasses.fields(record):
-        value = getattr(record, item.name)
-        if isinstance(value, np.ndarray):
-            kind = np.int64 if value.dtype.kind in "iu" else np.float64
-            object.__setattr__(record, item.name, read_only(value, kind))
 
 
 def _check_shapes(body: ReducedBody) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.algebra import mass_orthonormalize, read_only
+from supple.algebra import ReadOnlyArrays, mass_orthonormalize
 from supple.body import FlexibleBody, Frame
 from supple.errors import AccuracyError
 from supple.reduction.bases.linear_basis import LinearBasisRecipe, rayleigh_ritz
@@ -21,7 +21,7 @@ LARGEST_FRAME_MOTION = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class ReductionBasis:
+class ReductionBasis(ReadOnlyArrays):
     """Columns V of q = V gamma: V^T M V = I, D V = 0.
 
     frame : the frame that gamma is relative to; D, (6, n): its constraint
@@ -32,9 +32,6 @@ class ReductionBasis:
     frame: Frame
     vectors: np.ndarray
     report: ReductionReport
-
-    def __post_init__(self):
-        object.__setattr__(self, "vectors", read_only(self.vectors))
 
     @property
     def r(self) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.algebra import read_only
+from supple.algebra import ReadOnlyArrays
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
 
 __all__ = ["Locking", "ReductionReport"]
@@ -20,7 +20,7 @@ ROTATION = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Locking:
+class Locking(ReadOnlyArrays):
     """Relative deficit of the static response of a reduced body to k loads, see `locking`.
 
         1 - f.gamma / f.gamma_free,   f : load,   gamma : static response,
@@ -34,10 +34,6 @@ class Locking:
     loads: tuple[str, ...]
     plain: Array
     remaining: Array
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "plain", read_only(self.plain))
-        object.__setattr__(self, "remaining", read_only(self.remaining))
 
     @property
     def largest_plain(self) -> float:
@@ -60,7 +56,7 @@ class Locking:
 
 
 @dataclass(frozen=True, eq=False)
-class ReductionReport:
+class ReductionReport(ReadOnlyArrays):
     """Origin of a basis: columns kept, columns dropped, and cost.
 
     linear : labels of the linear columns (modes and static columns) that span the linear subspace
@@ -84,10 +80,6 @@ class ReductionReport:
     seconds: Mapping[str, float] = field(default_factory=dict)
     certificate: EigenvalueCertificate | None = None
     locking: Locking | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("singular_values_kept", "singular_values_dropped"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     def __str__(self) -> str:
         counts = [f"{len(self.linear)} linear columns", f"{len(self.derivatives)} derivatives"]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from supple.algebra import read_only
+from supple.algebra import ReadOnlyArrays
 from supple.body.internal_force import LinearForce
 from supple.errors import ModelError
 
@@ -28,7 +28,7 @@ SMALLEST_COUPLING = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class InternalForceTensors:
+class InternalForceTensors(ReadOnlyArrays):
     """Polynomial internal force of r coordinates, exact for quadratic strains.
 
         A3 = unpack(cubic @ g),   A4 = unpack(quartic @ m2),   m2_(kl) = g_k g_l for k <= l
@@ -49,11 +49,6 @@ class InternalForceTensors:
     stiffness: np.ndarray
     cubic: np.ndarray | None = None
     quartic: np.ndarray | None = None
-
-    def __post_init__(self):
-        for name in ("stiffness", "cubic", "quartic"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
     def r(self) -> int:
@@ -120,22 +115,6 @@ def unpack_symmetric(packed: np.ndarray, r: int) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class MaterialTensors:
-    """Change of the material stiffness K_mat(g) = V^T sum w A^T D A V of r coordinates with deformation.
-
-        K_mat = K + unpack(cubic @ g) + unpack(quartic @ m2),   m2_(kl) = g_k g_l for k <= l
-
-    A is the derivative of the strains with respect to q. K_mat is the tangent without its geometric term:
-    K_mat(g) g_dot is the generalised force of the stresses D eps_dot.
-
-    cubic : (n2, r);  quartic : (n2, n2)     packed as in InternalForceTensors
-    """
-
-    cubic: np.ndarray
-    quartic: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
 class StrainProducts:
     """Inner products, with weights w D, of the strains of a basis; force and damping follow from them.
 
@@ -189,18 +168,22 @@ class StrainProducts:
         apart = _over_pairings(classes[:, None] != classes)
         return replace(self, pair_by_pair=np.where(apart, 0.0, self.pair_by_pair))
 
-    def material(self, force: InternalForceTensors) -> MaterialTensors | None:
-        """The tensors of the tangent less those of its geometric term; None for a linear body.
+    def material(self, force: InternalForceTensors) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Tensors `cubic` and `quartic` of the material stiffness K_mat(g) = V^T sum w A^T D A V.
 
-            K_geo = unpack(F^T g + H' m2),   H': H with its columns l = m halved
+            K_mat = K + unpack(cubic @ g) + unpack(quartic @ m2) = (tangent) - unpack(F^T g + H' m2)
+
+        A is the derivative of the strains with respect to q: K_mat(g) g_dot is the force of the stresses
+        D eps_dot. H' is H with its columns l = m halved; the last term is the geometric stiffness.
 
         force : result of `internal_force`
+        Returns None for both tensors of a linear body.
         """
         if self.strain_by_pair is None or self.pair_by_pair is None:
-            return None
+            return None, None
         first, second = np.triu_indices(len(self.stiffness))
         once = np.where(first == second, 0.5, 1.0)
-        return MaterialTensors(force.cubic - self.strain_by_pair.T, force.quartic - self.pair_by_pair * once)
+        return force.cubic - self.strain_by_pair.T, force.quartic - self.pair_by_pair * once
 
 
 def internal_force_tensors(body: FlexibleBody, basis: np.ndarray) -> InternalForceTensors:

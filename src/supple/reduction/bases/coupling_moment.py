@@ -8,14 +8,14 @@ import numpy as np
 from scipy import linalg
 
 from supple.body import FlexibleBody
-from supple.reduction.bases.mode_selection import ChosenModes, ranked_modes
+from supple.reduction.bases.mode_selection import RankedModes
 from supple.reduction.components.fixed_interface_component import FixedInterfaceComponent
 
 __all__ = ["CouplingMoment", "coupling_moments"]
 
 
 @dataclass(frozen=True)
-class CouplingMoment:
+class CouplingMoment(RankedModes):
     """Keep the modes that contribute most to the dynamic stiffness of the interfaces.
 
         Z(s) = K_b - s M_b - s^2 sum_j S_j (1 + s / kappa_j + ...),    s = omega^2
@@ -32,20 +32,13 @@ class CouplingMoment:
     the interface motion of its vibration. The first-order error of lambda is lambda xi^T X xi, [Han2020]
     (45). If xi^T M_b xi <= 1, it is at most lambda trace(M_b^-1 X), the sum of lambda chi_j over these modes.
 
-    candidates : number of lowest modes that are ranked
     Source: [LiaoBaiGao2007] for the principle, from which the formula is derived here; [Givoli2004] for modes
         ranked by their contribution to the interface.
     """
 
-    candidates: int
-
     def scores(self, body: FlexibleBody, component: FixedInterfaceComponent) -> np.ndarray:  # noqa: ARG002
         """The coupling moments chi_j, (m,), s^2/rad^2."""
         return coupling_moments(component)
-
-    def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
-        """The n_modes modes of largest coupling moment; ModelError if n_modes exceeds the candidates."""
-        return ranked_modes(self, body, n_modes)
 
 
 def coupling_moments(component: FixedInterfaceComponent) -> np.ndarray:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.arguments import check_fields
 from supple.body import FlexibleBody, Frame
 from supple.reduction.bases.guyan import constraint_modes
 from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
@@ -16,7 +15,7 @@ __all__ = ["CraigBampton"]
 
 
 @dataclass(frozen=True)
-class CraigBampton:
+class CraigBampton(ModeCount):
     """Constraint modes, and fixed-interface modes Phi of lowest frequency or chosen by another rule.
 
         K Phi + B^T mu = M Phi diag(omega^2),   B Phi = 0
@@ -27,22 +26,15 @@ class CraigBampton:
     n_columns : number of all columns
     selection : rule that chooses the fixed-interface modes: LowestFrequency(),
         EffectiveInterfaceMass(candidates) or CouplingMoment(candidates)
-    Raises ModelError if both or none of n_modes and n_columns are given, or a number is negative.
     Source: [CraigBampton1968]; [Han2020] (11)-(17); NFR-CB of [Wu2019].
     """
 
-    n_modes: int | None = None
-    n_columns: int | None = None
     selection: ModeSelection = LowestFrequency()  # noqa: RUF009 (it is immutable)
-
-    def __post_init__(self):
-        check_fields(self)
-        ModeCount(self.n_modes, self.n_columns)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Constraint modes, then fixed-interface modes; ModelError: no interface, or too many modes."""
         static = constraint_modes(body, frame)
-        n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(static.vectors.shape[1])
+        n_modes = self.modes_besides(static.vectors.shape[1])
         modes = self.selection.choose(body, n_modes)
         return LinearBasis(
             vectors=np.hstack([static.vectors, modes.vectors]),

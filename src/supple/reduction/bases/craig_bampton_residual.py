@@ -18,7 +18,7 @@ __all__ = ["CraigBamptonResidual"]
 
 
 @dataclass(frozen=True)
-class CraigBamptonResidual:
+class CraigBamptonResidual(ModeCount):
     """Constraint modes Psi, residual modes Y, and the lowest vibrations Phi with every interface fixed.
 
         Y = F_rs A,   F_rs = K_s^-1 - Phi Lambda^-1 Phi^T,   A = M Psi
@@ -31,21 +31,14 @@ class CraigBamptonResidual:
 
     n_modes : number of fixed-interface modes, besides the constraint and residual modes
     n_columns : number of all columns
-    Raises ModelError if both or none of them are given, or a number is negative.
     """
-
-    n_modes: int | None = None
-    n_columns: int | None = None
-
-    def __post_init__(self):
-        ModeCount(self.n_modes, self.n_columns)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Constraint and residual modes, vibrations; ModelError without interface or for too many modes."""
         static = Guyan().build(body, frame)
         n_constraint = static.vectors.shape[1]
         n_residual = 6 * len(body.independent_interfaces)
-        n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(n_constraint + n_residual)
+        n_modes = self.modes_besides(n_constraint + n_residual)
         plain = CraigBampton(n_modes=n_modes).build(body, frame)
         constraint, modes = np.split(plain.vectors, [n_constraint], axis=1)
         known = RitzModes.of(Eigenpairs(plain.frequencies[n_constraint:] ** 2, modes))

@@ -9,7 +9,7 @@ import numpy as np
 from supple.algebra import factorize_symmetric
 from supple.body import FlexibleBody
 from supple.reduction.bases.interface_columns import motion_rows
-from supple.reduction.bases.mode_selection import ChosenModes, ranked_modes
+from supple.reduction.bases.mode_selection import RankedModes
 from supple.reduction.components.fixed_interface_component import FixedInterfaceComponent
 
 __all__ = ["EffectiveInterfaceMass", "effective_interface_masses", "interior_interface_mass"]
@@ -19,7 +19,7 @@ SMALLEST_SHARE = 1e-10
 
 
 @dataclass(frozen=True)
-class EffectiveInterfaceMass:
+class EffectiveInterfaceMass(RankedModes):
     """Keep the modes with the largest effective interface mass.
 
         e_j = p_j M_e^+ p_j^T / rank M_e,   p_j = phi_j^T M Psi,   M_e = sum of p_j^T p_j over all modes
@@ -29,19 +29,12 @@ class EffectiveInterfaceMass:
     support. The shares e_j depend neither on the units of translation and rotation nor on the axes of the
     interfaces. The sum of all e_j is one.
 
-    candidates : number of lowest modes that are ranked
     Source: [KammerTriller1996]; the scaling is derived here.
     """
-
-    candidates: int
 
     def scores(self, body: FlexibleBody, component: FixedInterfaceComponent) -> np.ndarray:
         """The effective interface masses e_j, (m,)."""
         return effective_interface_masses(component, interior_interface_mass(body, component))
-
-    def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
-        """The n_modes modes of largest mass; ModelError if n_modes exceeds the candidates."""
-        return ranked_modes(self, body, n_modes)
 
 
 def effective_interface_masses(component: FixedInterfaceComponent, total: np.ndarray) -> np.ndarray:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from supple.body import FlexibleBody, Frame, MeanAxisFrame
+from supple.body.checks import FREEDOM_NAMES
 from supple.reduction.bases.guyan import Guyan
-from supple.reduction.bases.interface_columns import MOTIONS, motion_rows, require_interfaces
+from supple.reduction.bases.interface_columns import motion_rows, require_interfaces
 from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
 from supple.reduction.bases.normal_modes import NormalModes
 
@@ -16,7 +17,7 @@ __all__ = ["Herting", "inertia_relief_modes"]
 
 
 @dataclass(frozen=True)
-class Herting:
+class Herting(ModeCount):
     """Static shapes due to interface motion and to rigid acceleration, and the lowest free vibrations.
 
         K Psi + B^T mu = 0,        B Psi = (columns of) I       constraint modes
@@ -32,28 +33,21 @@ class Herting:
 
     n_modes : number of free-interface modes, besides the static columns
     n_columns : number of all columns
-    Raises ModelError if both or none of them are given, or a number is negative.
     Source: [Herting1985].
     """
-
-    n_modes: int | None = None
-    n_columns: int | None = None
-
-    def __post_init__(self):
-        ModeCount(self.n_modes, self.n_columns)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Constraint, inertia relief and free modes; ModelError without interface, or for too many modes."""
         constraint = Guyan().build(body, frame)
         relief = inertia_relief_modes(body)
         static = np.hstack([constraint.vectors, relief])
-        n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(static.shape[1])
+        n_modes = self.modes_besides(static.shape[1])
         modes = NormalModes(n_modes).build(body, MeanAxisFrame())
         return LinearBasis(
             vectors=np.hstack([static, modes.vectors]),
             frequencies=np.concatenate([np.full(static.shape[1], np.nan), modes.frequencies]),
             labels=constraint.labels
-            + tuple(f"inertia relief {motion}" for motion in MOTIONS)
+            + tuple(f"inertia relief {motion}" for motion in FREEDOM_NAMES)
             + tuple(f"free-interface {label}" for label in modes.labels),
             static_solver=body.constrained(frame.constraint(body)),
             dropped=constraint.dropped,

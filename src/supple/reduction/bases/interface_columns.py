@@ -7,15 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from supple.body import BodyInterface, FlexibleBody, Frame
+from supple.body.checks import FREEDOM_NAMES
 from supple.errors import ModelError
-
-MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
 
 def fixed_interfaces(body: FlexibleBody, frame: Frame) -> tuple[BodyInterface, ...]:
     """Interfaces whose six motions are zero in the frame: rows of B that are in the row space of D."""
     rows, _ = np.linalg.qr(frame.constraint(body).T)
-    return tuple(i for i in body.interfaces if _lies_in(rows, motion_rows([i])))
+
+    def lies_in(motion: np.ndarray) -> bool:
+        outside = motion.T - rows @ (rows.T @ motion.T)
+        return bool(np.linalg.norm(outside) <= 1e-10 * np.linalg.norm(motion))
+
+    return tuple(each for each in body.interfaces if lies_in(motion_rows([each])))
 
 
 def motion_rows(interfaces: Sequence[BodyInterface]) -> np.ndarray:
@@ -25,7 +29,7 @@ def motion_rows(interfaces: Sequence[BodyInterface]) -> np.ndarray:
 
 def column_labels(kind: str, interfaces: Sequence[BodyInterface]) -> tuple[str, ...]:
     """One label for each motion of each interface, such as 'attachment tip uy'."""
-    return tuple(f"{kind} {interface.name} {motion}" for interface in interfaces for motion in MOTIONS)
+    return tuple(f"{kind} {interface.name} {motion}" for interface in interfaces for motion in FREEDOM_NAMES)
 
 
 def require_interfaces(body: FlexibleBody, method: str) -> None:
@@ -35,8 +39,3 @@ def require_interfaces(body: FlexibleBody, method: str) -> None:
             f"{method} needs interfaces, but body '{body.name}' has none; "
             "define one on a node set, or use NormalModes"
         )
-
-
-def _lies_in(rows: np.ndarray, motion: np.ndarray) -> bool:
-    outside = motion.T - rows @ (rows.T @ motion.T)
-    return bool(np.linalg.norm(outside) <= 1e-10 * np.linalg.norm(motion))

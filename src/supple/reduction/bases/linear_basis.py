@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from supple.algebra import ConstrainedFactor, mass_orthonormalize, read_only
+from supple.algebra import ConstrainedFactor, ReadOnlyArrays, mass_orthonormalize
 from supple.arguments import check_fields
 from supple.body import FlexibleBody, Frame, frame_projector
 from supple.errors import AccuracyError, ModelError
@@ -17,7 +17,7 @@ __all__ = ["LinearBasis", "LinearBasisRecipe", "rayleigh_ritz"]
 
 
 @dataclass(frozen=True, eq=False)
-class LinearBasis:
+class LinearBasis(ReadOnlyArrays):
     """Columns of a linear basis: static columns and modes.
 
     vectors : (n, m)
@@ -35,10 +35,6 @@ class LinearBasis:
     static_solver: ConstrainedFactor
     dropped: tuple[str, ...] = ()
     certificate: EigenvalueCertificate | None = None
-
-    def __post_init__(self):
-        object.__setattr__(self, "vectors", read_only(self.vectors))
-        object.__setattr__(self, "frequencies", read_only(self.frequencies))
 
 
 class LinearBasisRecipe(Protocol):
@@ -92,10 +88,13 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
 
 @dataclass(frozen=True)
 class ModeCount:
-    """Number of modes in addition to static columns: n_modes, or the number that gives n_columns in total."""
+    """Base of recipes of static columns and modes: n_modes modes, or as many as give n_columns in total.
 
-    n_modes: int | None
-    n_columns: int | None
+    Raises ModelError if both or none of n_modes and n_columns are given, or a number is negative.
+    """
+
+    n_modes: int | None = None
+    n_columns: int | None = None
 
     def __post_init__(self):
         check_fields(self)

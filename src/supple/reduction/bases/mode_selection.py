@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -37,19 +38,6 @@ class ModeSelection(Protocol):
         ...
 
 
-class ModeRanking(Protocol):
-    """A rule that assigns each mode a score; the modes of largest score are kept."""
-
-    @property
-    def candidates(self) -> int:
-        """Number of lowest modes that are ranked."""
-        ...
-
-    def scores(self, body: FlexibleBody, component: FixedInterfaceComponent) -> np.ndarray:
-        """(m,) scores, one for each mode of the component."""
-        ...
-
-
 @dataclass(frozen=True)
 class LowestFrequency:
     """The modes of lowest frequency, whatever their participation at the interfaces."""
@@ -60,19 +48,32 @@ class LowestFrequency:
         return ChosenModes(modes.values, modes.vectors, np.arange(1, n_modes + 1))
 
 
-def ranked_modes(ranking: ModeRanking, body: FlexibleBody, n_modes: int) -> ChosenModes:
-    """The n_modes modes of largest score.
+@dataclass(frozen=True)
+class RankedModes(ABC):
+    """Base of rules that assign each mode a score, and keep the modes of largest score.
 
-    Raises ModelError if n_modes exceeds the number of candidates, or this the number of modes of the body.
+    candidates : number of lowest modes that are ranked
     """
-    if n_modes > ranking.candidates:
-        raise ModelError(
-            f"{n_modes} modes cannot be chosen among {ranking.candidates} candidates; give more candidates"
-        )
-    modes = fixed_interface_modes(body, ranking.candidates)
-    scores = ranking.scores(body, fixed_interface_component(body, modes))
-    best = np.sort(best_first(scores)[:n_modes])
-    return ChosenModes(modes.values[best], modes.vectors[:, best], best + 1)
+
+    candidates: int
+
+    @abstractmethod
+    def scores(self, body: FlexibleBody, component: FixedInterfaceComponent) -> np.ndarray:
+        """(m,) scores, one for each mode of the component."""
+
+    def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
+        """The n_modes modes of largest score.
+
+        Raises ModelError if n_modes exceeds the candidates, or these the number of modes of the body.
+        """
+        if n_modes > self.candidates:
+            raise ModelError(
+                f"{n_modes} modes cannot be chosen among {self.candidates} candidates; give more candidates"
+            )
+        modes = fixed_interface_modes(body, self.candidates)
+        scores = self.scores(body, fixed_interface_component(body, modes))
+        best = np.sort(best_first(scores)[:n_modes])
+        return ChosenModes(modes.values[best], modes.vectors[:, best], best + 1)
 
 
 def best_first(scores: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ __all__ = ["Rubin"]
 
 
 @dataclass(frozen=True)
-class Rubin:
+class Rubin(ModeCount):
     """Attachment modes Psi, and the lowest vibrations Phi of the body constrained by its frame alone.
 
         K Psi + D^T mu = B^T,   D Psi = 0
@@ -33,15 +33,8 @@ class Rubin:
 
     n_modes : number of vibrations, besides the attachment modes
     n_columns : number of all columns
-    Raises ModelError if both or none of them are given, or a number is negative.
     Source: [Wu2019] (33)-(38); [Rubin1975].
     """
-
-    n_modes: int | None = None
-    n_columns: int | None = None
-
-    def __post_init__(self):
-        ModeCount(self.n_modes, self.n_columns)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Attachment modes, then vibrations; ModelError without interface or for too many modes."""
@@ -49,7 +42,7 @@ class Rubin:
         fixed = fixed_interfaces(body, frame)
         loaded = [interface for interface in body.independent_interfaces if interface not in fixed]
         n_static = 6 * len(loaded)
-        n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(n_static)
+        n_modes = self.modes_besides(n_static)
         modes = NormalModes(n_modes).build(body, frame)
         attachment = np.empty((body.n, 0))
         if loaded:

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from scipy import linalg
 
-from supple.algebra import Eigenpairs, read_only
+from supple.algebra import Eigenpairs, ReadOnlyArrays, read_only
 from supple.errors import AccuracyError, ModelError
 
 __all__ = ["ComponentModel", "ReducedMatrices", "RitzComponent"]
@@ -19,7 +19,7 @@ DEPENDENT = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
-class ReducedMatrices:
+class ReducedMatrices(ReadOnlyArrays):
     """An eigenproblem K x = lambda M x in a few coordinates.
 
     stiffness : (r, r)      symmetric
@@ -31,10 +31,6 @@ class ReducedMatrices:
     stiffness: np.ndarray
     mass: np.ndarray
     n_forces: int = 0
-
-    def __post_init__(self):
-        object.__setattr__(self, "stiffness", read_only(self.stiffness))
-        object.__setattr__(self, "mass", read_only(self.mass))
 
     @property
     def r(self) -> int:
@@ -108,7 +104,7 @@ class ComponentModel(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class RitzComponent:
+class RitzComponent(ReadOnlyArrays):
     """A body projected on the columns V of a basis; its eigenvalues are not below those of the full body.
 
     stiffness, mass : (r, r)        V^T K V and V^T M V
@@ -118,10 +114,6 @@ class RitzComponent:
     stiffness: np.ndarray
     mass: np.ndarray
     interface_motion: np.ndarray
-
-    def __post_init__(self):
-        for name in ("stiffness", "mass", "interface_motion"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     def interfaces_free(self) -> ReducedMatrices:
         """V^T K V and V^T M V."""

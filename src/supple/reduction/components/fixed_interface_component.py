@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.algebra import RitzModes, read_only
+from supple.algebra import ReadOnlyArrays, RitzModes
 from supple.body import FlexibleBody
 from supple.errors import ModelError
 from supple.reduction.bases.guyan import interface_shapes
@@ -26,7 +26,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, eq=False)
-class FixedInterfaceComponent:
+class FixedInterfaceComponent(ReadOnlyArrays):
     """Matrices in constraint modes Psi and fixed-interface modes Phi, with the residual of truncated modes.
 
         u = Psi q_v + Phi eta,   A = M Psi
@@ -45,10 +45,6 @@ class FixedInterfaceComponent:
     interface_mass: np.ndarray
     residual_flexibility: np.ndarray
     residual_mass: np.ndarray
-
-    def __post_init__(self):
-        for name, values in vars(self).items():
-            object.__setattr__(self, name, read_only(values))
 
     @property
     def n_modes(self) -> int:

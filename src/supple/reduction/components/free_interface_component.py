@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg
 
-from supple.algebra import RitzModes, read_only
+from supple.algebra import ReadOnlyArrays, RitzModes
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.errors import AccuracyError, ModelError
 from supple.reduction.bases.interface_columns import motion_rows, require_interfaces
@@ -19,7 +19,7 @@ __all__ = ["FreeInterfaceComponent", "free_interface_component", "free_interface
 
 
 @dataclass(frozen=True, eq=False)
-class FreeInterfaceComponent:
+class FreeInterfaceComponent(ReadOnlyArrays):
     """Interface motions of the free-interface modes, and the residual of all other modes at the interfaces.
 
         u = R a + Phi eta + G_r B^T f,    G_r = G - Phi Lambda^-1 Phi^T,   f forces at the interfaces
@@ -37,10 +37,6 @@ class FreeInterfaceComponent:
     interface_motion: np.ndarray
     residual_flexibility: np.ndarray
     residual_mass: np.ndarray
-
-    def __post_init__(self):
-        for name in ("eigenvalues", "interface_motion", "residual_flexibility", "residual_mass"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
     def n_modes(self) -> int:

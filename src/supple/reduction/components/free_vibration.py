@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy import linalg
 
-from supple.algebra import read_only
+from supple.algebra import ReadOnlyArrays
 from supple.reduction.components.fixed_interface_component import FixedInterfaceComponent
 
 __all__ = ["FreeVibrations", "free_vibrations"]
 
 
 @dataclass(frozen=True, eq=False)
-class FreeVibrations:
+class FreeVibrations(ReadOnlyArrays):
     """The lowest elastic vibrations u = Psi xi + Phi eta of a free Craig-Bampton body, of unit modal mass.
 
     values     : (N,)     eigenvalues chi-bar, rad^2/s^2, ascending; the six rigid motions are not counted
@@ -25,10 +25,6 @@ class FreeVibrations:
     values: np.ndarray
     interfaces: np.ndarray = field(repr=False)
     modal: np.ndarray = field(repr=False)
-
-    def __post_init__(self):
-        for name in ("values", "interfaces", "modal"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
 def free_vibrations(

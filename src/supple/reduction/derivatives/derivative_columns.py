@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from supple.algebra import read_only
+from supple.algebra import ReadOnlyArrays
 from supple.body import FlexibleBody, Frame
 from supple.errors import ModelError
 from supple.reduction.bases.linear_basis import LinearBasis
@@ -16,7 +16,7 @@ __all__ = ["DerivativeChoice", "DerivativeColumns", "NoDerivatives"]
 
 
 @dataclass(frozen=True, eq=False)
-class DerivativeColumns:
+class DerivativeColumns(ReadOnlyArrays):
     """Columns from modal derivatives, M-orthonormal to each other and to the linear basis.
 
     vectors : (n, k)
@@ -31,10 +31,6 @@ class DerivativeColumns:
     dropped: tuple[str, ...] = ()
     singular_values_kept: np.ndarray = field(default_factory=lambda: np.empty(0))
     singular_values_dropped: np.ndarray = field(default_factory=lambda: np.empty(0))
-
-    def __post_init__(self):
-        for name in ("vectors", "singular_values_kept", "singular_values_dropped"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
 class DerivativeChoice(Protocol):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.algebra import read_only
+from supple.algebra import ReadOnlyArrays
 from supple.body import FlexibleBody, Frame, frame_projector
 from supple.errors import ModelError
 from supple.reduction.bases.linear_basis import LinearBasis
@@ -15,7 +15,7 @@ __all__ = ["ModalDerivatives", "modal_derivatives"]
 
 
 @dataclass(frozen=True, eq=False)
-class ModalDerivatives:
+class ModalDerivatives(ReadOnlyArrays):
     """Modal derivatives theta_jk of all pairs of columns.
 
     vectors : (n, n_pairs)
@@ -24,10 +24,6 @@ class ModalDerivatives:
 
     vectors: np.ndarray
     pairs: np.ndarray
-
-    def __post_init__(self):
-        object.__setattr__(self, "vectors", read_only(self.vectors))
-        object.__setattr__(self, "pairs", read_only(self.pairs, dtype=np.intp))
 
     @property
     def labels(self) -> tuple[str, ...]:

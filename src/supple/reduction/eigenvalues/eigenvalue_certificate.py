@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from supple.algebra import read_only
+from supple.algebra import ReadOnlyArrays
 from supple.reduction.eigenvalues.eigenvalue_enclosure import EigenvalueEnclosure
 from supple.reduction.eigenvalues.mode_search import SearchStep
 
@@ -15,7 +15,7 @@ __all__ = ["EigenvalueCertificate"]
 
 
 @dataclass(frozen=True, eq=False)
-class EigenvalueCertificate:
+class EigenvalueCertificate(ReadOnlyArrays):
     """The elastic eigenvalues of a free reduced body, with bounds for those of the full body.
 
     tolerance : relative error allowed in each eigenvalue
@@ -34,10 +34,6 @@ class EigenvalueCertificate:
     estimated: np.ndarray
     steps: tuple[SearchStep, ...] = field(repr=False)
     seconds: Mapping[str, float] = field(default_factory=dict)
-
-    def __post_init__(self):
-        for name in ("values", "estimated"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
     def errors(self) -> np.ndarray:

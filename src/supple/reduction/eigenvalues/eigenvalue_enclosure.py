@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg
 
-from supple.algebra import count_below, read_only
+from supple.algebra import ReadOnlyArrays, count_below
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.errors import AccuracyError
 
@@ -30,7 +30,7 @@ MOST_WIDENED = 4
 
 
 @dataclass(frozen=True, eq=False)
-class EigenvalueEnclosure:
+class EigenvalueEnclosure(ReadOnlyArrays):
     """lower_n <= chi_n <= upper_n for the n-th elastic eigenvalue of a free body, none missed.
 
     lower, upper : (N,)     rad^2/s^2
@@ -42,10 +42,6 @@ class EigenvalueEnclosure:
     upper: np.ndarray
     shift: float
     n_below: int
-
-    def __post_init__(self):
-        for name in ("lower", "upper"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
 def enclose_eigenvalues(

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from supple.algebra import read_only
+from supple.algebra import ReadOnlyArrays, read_only
 from supple.reduction.components.fixed_interface_component import FixedInterfaceComponent
 from supple.reduction.components.free_vibration import FreeVibrations
 
@@ -24,7 +24,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, eq=False)
-class ErrorTerms:
+class ErrorTerms(ReadOnlyArrays):
     """The terms of the estimators; n counts the elastic vibrations of the free reduced body.
 
     values : (N,)   chi-bar, eigenvalues of the reduced body, rad^2/s^2
@@ -39,10 +39,6 @@ class ErrorTerms:
     second: np.ndarray
     fixed: np.ndarray
     next_fixed: float
-
-    def __post_init__(self):
-        for name in ("values", "first", "second", "fixed"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
 def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) -> ErrorTerms:

@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from supple.algebra import read_only
+from supple.algebra import ReadOnlyArrays
 
 __all__ = ["Bisection", "ModeSearch", "OneByOne", "SearchStep"]
 
@@ -25,7 +25,7 @@ DEEPEST_DIP = 1.1
 
 
 @dataclass(frozen=True, eq=False)
-class SearchStep:
+class SearchStep(ReadOnlyArrays):
     """One trial number of modes.
 
     n_modes : fixed-interface modes kept
@@ -40,9 +40,6 @@ class SearchStep:
     tolerance: float
     criterion: str
     seconds: float
-
-    def __post_init__(self):
-        object.__setattr__(self, "errors", read_only(self.errors))
 
     @property
     def largest(self) -> float:
