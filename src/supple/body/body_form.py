@@ -7,7 +7,9 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csc_array
 
+from supple.body.floating_kinematics import Deforming
 from supple.body.interface import Interface
 from supple.body.point_motion import InterfaceMotion, NodeMotion
 from supple.body.sections import Sections
@@ -17,7 +19,7 @@ from supple.integrate.motion import FramedMotion, Motion
 __all__ = ["BodyForm"]
 
 
-class BodyForm(Protocol):
+class BodyForm(Deforming, Protocol):
     """A body in a machine. Code that uses these members does not depend on the form of the body.
 
     The argument `motion` is the motion of this body in a solution; a motion of another form of body raises
@@ -50,30 +52,8 @@ class BodyForm(Protocol):
         ...
 
     @property
-    def nodes(self) -> np.ndarray:
-        """Undeformed positions (N, 3) of the nodes, or of a rigid body's interfaces, in its frame, m."""
-        ...
-
-    @property
     def interfaces(self) -> Sequence[Interface]:
         """Interfaces for joints and loads, in the given order."""
-        ...
-
-    def interface(self, name: str) -> Interface:
-        """The interface of that name; the ModelError for an unknown name lists the nearest name, or all."""
-        ...
-
-    def expand(self, coordinates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /) -> np.ndarray:
-        """Displacements (..., k, 3) of all or some nodes for coordinates (..., r), in the body's frame.
-
-        The displacements are at most quadratic in the coordinates.
-        """
-        ...
-
-    def expand_rates(
-        self, coordinates: np.ndarray, rates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /
-    ) -> np.ndarray:
-        """Displacement rates (..., k, 3) at coordinates and rates (..., r); linear in the rates."""
         ...
 
     def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> NDArray[np.float64]:
@@ -192,6 +172,6 @@ class BodyForm(Protocol):
         ...
 
     @property
-    def rotation_rows(self) -> np.ndarray | None:
+    def rotation_rows(self) -> np.ndarray | csc_array | None:
         """Rotation vectors at P points per unit coordinate, (3 P, r), dense or sparse; None if unknown."""
         ...

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,7 +26,29 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class RayleighDamping:
+class _OfMassAndStiffness:
+    """Damping matrix alpha P^T M P + beta K of the undeformed body; fields as for `RayleighDamping`."""
+
+    alpha: float
+    beta: float
+    held: str | None = None
+
+    called: ClassVar[str]
+    """Name for messages."""
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        for name, value in (("alpha", self.alpha), ("beta", self.beta)):
+            if not (np.isfinite(value) and value >= 0):
+                raise ModelError(f"{self.called}: {name} is {value}; it must be zero or positive")
+
+    def matrix(self, stiffness: Any, mass: Any) -> Any:
+        """D (n, n) of the undeformed body, from the stiffness K and `mass` = P^T M P; sparse if they are."""
+        return self.alpha * mass + self.beta * stiffness
+
+
+@dataclass(frozen=True)
+class RayleighDamping(_OfMassAndStiffness):
     """Rayleigh damping in the deformed body: damping matrix D(q) = alpha P^T M P + beta K_mat(q).
 
         K_mat(q) = sum w A^T C A,     eps_dot = A(q) q_dot,     zeta = alpha / (2 omega) + beta omega / 2
@@ -44,17 +66,7 @@ class RayleighDamping:
     held : name of an interface of the body; None: no interface
     """
 
-    alpha: float
-    beta: float
-    held: str | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-        _check_factors("Rayleigh damping", self.alpha, self.beta)
-
-    def matrix(self, stiffness: Any, mass: Any) -> Any:
-        """D (n, n) of the undeformed body, from the stiffness K and `mass` = P^T M P; sparse if they are."""
-        return self.alpha * mass + self.beta * stiffness
+    called: ClassVar[str] = "Rayleigh damping"
 
     @property
     def retardation_time(self) -> float:
@@ -67,7 +79,7 @@ class RayleighDamping:
 
 
 @dataclass(frozen=True)
-class LinearRayleighDamping:
+class LinearRayleighDamping(_OfMassAndStiffness):
     """Rayleigh damping with the constant matrix alpha P^T M P + beta K; K: stiffness of the undeformed body.
 
     In a part of a stiff body that has rotated by theta relative to the frame, beta K resists further rotation
@@ -75,28 +87,12 @@ class LinearRayleighDamping:
     defined there.
     """
 
-    alpha: float
-    beta: float
-    held: str | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-        _check_factors("linear Rayleigh damping", self.alpha, self.beta)
-
-    def matrix(self, stiffness: Any, mass: Any) -> Any:
-        """The damping matrix (n, n), from K and `mass` = P^T M P; sparse if they are."""
-        return self.alpha * mass + self.beta * stiffness
+    called: ClassVar[str] = "linear Rayleigh damping"
 
     @property
     def retardation_time(self) -> float:
         """Zero: the damping force is not that of viscous stresses beta C eps_dot."""
         return 0.0
-
-
-def _check_factors(what: str, alpha: float, beta: float) -> None:
-    for name, value in (("alpha", alpha), ("beta", beta)):
-        if not (np.isfinite(value) and value >= 0):
-            raise ModelError(f"{what}: {name} is {value}; it must be zero or positive")
 
 
 def rayleigh_from_ratios(
@@ -123,7 +119,11 @@ def rayleigh_from_ratios(
 
 
 def rayleigh_at_modes(
-    stiffness: sparse.sparray, mass: sparse.sparray, constraint: Any, ratio: float, modes: tuple[int, int]
+    stiffness: sparse.csc_array,
+    mass: sparse.csc_array,
+    constraint: ArrayLike | sparse.sparray,
+    ratio: float,
+    modes: tuple[int, int],
 ) -> RayleighDamping:
     """Rayleigh damping that gives two modes of a constrained body the same damping ratio.
 
@@ -180,7 +180,7 @@ class ModalDamping:
         return columns @ columns.T
 
     def columns(
-        self, stiffness: sparse.sparray, mass: sparse.sparray, constraint: Any
+        self, stiffness: sparse.csc_array, mass: sparse.csc_array, constraint: ArrayLike | sparse.sparray
     ) -> NDArray[np.float64]:
         """Factor W (n, n_modes) of C = W W^T of a full body without `held`, from its lowest modes.
 
@@ -195,7 +195,12 @@ class ModalDamping:
         found = lowest_modes(stiffness, mass, self.n_modes, constraint=constraint)
         return self._columns(found.values, found.vectors, mass)
 
-    def _columns(self, squares: NDArray[np.float64], modes: NDArray[np.float64], mass: Any) -> Any:
+    def _columns(
+        self,
+        squares: NDArray[np.float64],
+        modes: NDArray[np.float64],
+        mass: NDArray[np.float64] | sparse.csc_array,
+    ) -> NDArray[np.float64]:
         """M phi sqrt(2 zeta omega) of the damped modes."""
         given, number = np.asarray(self.ratios), np.arange(len(squares))[: self.n_modes]
         ratios = given[np.minimum(number, given.size - 1)]

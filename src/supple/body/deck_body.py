@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from supple.body.averaged_motion import averaged_motion
+from supple.body.connection_interfaces import connection_interface
 from supple.body.deck_parts import (
     deck_links,
     named_part,
@@ -101,12 +102,7 @@ def deck_body(
     own = named_part(deck, part)
     model = deck_model(own, kinematics=kinematics)
     if interfaces is None:
-        interfaces = [
-            RigidInterface(each.name, each.nodes, each.position)
-            if each.weights is None
-            else AveragingInterface(each.name, each.nodes, each.position, each.weights)
-            for each in deck_connections(own)
-        ]
+        interfaces = [connection_interface(each) for each in deck_connections(own)]
     return flexible_body(name, model, interfaces)
 
 

@@ -22,15 +22,15 @@ _FIELD_NUMBERS = 2**22
 
 
 class Deforming(Protocol):
-    """The members of a body that the kinematics need."""
+    """Members of `BodyForm` that the kinematics need."""
 
     @property
     def nodes(self) -> np.ndarray:
-        """Undeformed positions (N, 3) in the body's frame."""
+        """Undeformed positions (N, 3) of the nodes, or of a rigid body's interfaces, in its frame, m."""
         ...
 
     def interface(self, name: str) -> Interface:
-        """The interface of that name; ModelError for an unknown name."""
+        """The interface of that name; the ModelError for an unknown name lists the nearest name, or all."""
         ...
 
     def expand(self, coordinates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /) -> np.ndarray:
@@ -48,17 +48,10 @@ class Deforming(Protocol):
 
 
 def in_space(position: Array, rotation: Array, local: Array) -> Array:
-    """Positions r = R + A y of points y in a moving frame.
+    """Positions r = R + A y (t, k, 3) of points y in a moving frame.
 
-    Parameters
-    ----------
-    position : array (t, 3)       R, of the frame's origin
-    rotation : array (t, 3, 3)    A, frame to space
-    local : array (t, k, 3)       y, in the frame; (1, k, 3) for fixed points
-
-    Returns
-    -------
-    array (t, k, 3)
+    position, rotation : (t, 3) and (t, 3, 3)    R of the frame's origin, A from the frame to space
+    local : (t, k, 3)    y in the frame; (1, k, 3) for fixed points
     """
     # The product uses BLAS and takes a sixth of the time of an einsum.
     return position[:, None] + local @ np.ascontiguousarray(np.swapaxes(rotation, 1, 2))
@@ -67,20 +60,9 @@ def in_space(position: Array, rotation: Array, local: Array) -> Array:
 def floating_positions(
     body: Deforming, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)
 ) -> Array:
-    """Positions r = R + A (x + u) of some nodes, or all, in space.
+    """Positions r = R + A (x + u) (t, k, 3) of some nodes (k,), or all, in space.
 
-    Parameters
-    ----------
-    motion : FloatingMotion      of the body, at t times
-    nodes : node numbers (k,), all by default
-
-    Returns
-    -------
-    array (t, k, 3)
-
-    Raises
-    ------
-    ModelError  a node number outside the body
+    Raises ModelError for a node number outside the body.
     Source: [Wu2019] (1)
     """
     local = body.nodes[_chosen(body, nodes)] + node_displacements(body, motion.coordinates, nodes)
@@ -88,20 +70,9 @@ def floating_positions(
 
 
 def node_displacements(body: Deforming, coordinates: Array, nodes: ArrayLike | slice = slice(None)) -> Array:
-    """Displacements u of some nodes, or all, in the body's frame.
+    """Displacements u (t, k, 3) of some nodes (k,), or all, in the body's frame, at coordinates (t, r).
 
-    Parameters
-    ----------
-    coordinates : array (t, r)
-    nodes : node numbers (k,), all by default
-
-    Returns
-    -------
-    array (t, k, 3)
-
-    Raises
-    ------
-    ModelError  a node number outside the body
+    Raises ModelError for a node number outside the body.
     """
     chosen = _chosen(body, nodes)
     return np.concatenate(

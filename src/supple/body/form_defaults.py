@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_array
 from scipy.spatial.transform import Rotation
 
 from supple.body.sections import Sections
@@ -70,7 +71,7 @@ class FormDefaults:
         return float(np.sqrt(self.mass))
 
     @property
-    def rotation_rows(self) -> Any:
+    def rotation_rows(self) -> Array | csc_array | None:
         """None: the rotation relative to the frame is not checked."""
         return None
 

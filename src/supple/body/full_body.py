@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csc_array, csr_array, vstack
 
 from supple.arguments import check_fields
 from supple.body.averaging_error import section_softness
@@ -133,7 +133,7 @@ class FullBody(FloatingForm):
         return self.body.rotation_limit
 
     @property
-    def rotation_rows(self) -> Any:
+    def rotation_rows(self) -> csc_array | None:
         """Rotation vectors at P nodes or cell centres per unit coordinate, (3 P, n); None if unknown."""
         operator = self.body.rotation_operator
         return None if operator is None else operator @ self.body.expansion

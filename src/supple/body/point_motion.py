@@ -112,14 +112,7 @@ def floating_node_motion(body: Deforming, motion: FloatingMotion, nodes: ArrayLi
         r = R + A (x + u),   dr = dR + A (w x (x + u) + du)
         ddr = ddR + A (dw x (x + u) + w x (w x (x + u)) + 2 w x du + ddu)
 
-    Parameters
-    ----------
-    body : Deforming            motion : its part of a solution, of t times
-    nodes : node numbers (k,)
-
-    Raises
-    ------
-    ModelError  a node number outside the body
+    Raises ModelError for a node number outside the body.
     Source: [Wu2019] (3)-(4)
     """
     numbers = checked_nodes(nodes, len(body.nodes))

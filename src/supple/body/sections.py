@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from supple.fem import FiniteElementModel, QuadraticStrain, RigidPiece
 from supple.fem.node_sparsity import cell_nodes
 from supple.fem.quadratic_strain import internal_forces
 from supple.integrate.motion import FloatingMotion, Motion
+
+if TYPE_CHECKING:
+    from supple.body.body_form import BodyForm
 
 __all__ = ["CuttingPlane", "Sections", "section_loads", "sections_of_elements"]
 
@@ -81,12 +84,12 @@ class Sections(NamedTuple):
     """ModelError for a plane that is no section, before there is a motion"""
 
 
-def sections_of_elements(body: Any, model: FiniteElementModel) -> Sections:
+def sections_of_elements(body: BodyForm, model: FiniteElementModel) -> Sections:
     """Section forces of a body from its elements, by `section_loads`."""
     return Sections(f"axes of {body.name}", partial(section_loads, body, model), partial(_layer, body, model))
 
 
-def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: CuttingPlane) -> Array:
+def section_loads(body: BodyForm, model: FiniteElementModel, motion: Motion, plane: CuttingPlane) -> Array:
     """Force and moment (t, 6) of the far side of a plane on the near side, in the body's axes.
 
         F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
@@ -97,15 +100,9 @@ def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: C
     order. An element is on the side of the mean position of its nodes. p is the point of the plane, moved by
     the mean displacement of the nodes n.
 
-    Parameters
-    ----------
-    body : BodyForm                 reduced or full
-    model : FiniteElementModel      from which the body was made
-
-    Raises
-    ------
-    ModelError   a model with other nodes; a plane without elements on both sides that share nodes; a plane at
-                 a rigid interface or tie; a motion without floating frame
+    model : from which the body, reduced or full, was made
+    Raises ModelError for a model with other nodes; a plane without elements on both sides that share nodes; a
+    plane at a rigid interface or tie; a motion without floating frame.
     """
     layer = _layer(body, model, plane)
     coordinates = motion.of_type(FloatingMotion).coordinates
@@ -118,7 +115,7 @@ def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: C
     return found
 
 
-def _layer(body: Any, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
+def _layer(body: BodyForm, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
     d, nodes = model.dofs_per_node, model.mesh.nodes
     if len(nodes) != len(body.nodes) or not np.array_equal(nodes, body.nodes):
         raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
@@ -151,7 +148,7 @@ def _layer(body: Any, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
     )
 
 
-def _refuse_tied(body: Any, pieces: Sequence[RigidPiece], around: NDArray[np.integer]) -> None:
+def _refuse_tied(body: BodyForm, pieces: Sequence[RigidPiece], around: NDArray[np.integer]) -> None:
     for interface in body.interfaces:
         if np.isin(interface.tied_nodes, around).any():
             raise ModelError(

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from supple.algebra.largest_vector import largest_vector
 from supple.body import BodyForm, Frame, MeanAxisFrame, smaller_rotations
@@ -91,7 +92,7 @@ class _Limits:
     frame: Frame | None
     is_tied: bool
     """Whether only the rotations of rigid interfaces are limited, as in solids"""
-    rotation_basis: np.ndarray | None
+    rotation_basis: np.ndarray | csc_array | None
     """(3 P, n) rotation vectors from coordinates, of these interfaces or of all points"""
     averaging: Any
     """(3 k, n) mean rotations of the k averaging interfaces from coordinates, or None"""
