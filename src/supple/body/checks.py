@@ -13,12 +13,8 @@ from supple.errors import AccuracyError, ModelError
 
 SYMMETRY = 1e-9
 RIGID_NAMES = (
-    "translation along x",
-    "translation along y",
-    "translation along z",
-    "rotation about x",
-    "rotation about y",
-    "rotation about z",
+    *(f"translation along {axis}" for axis in "xyz"),
+    *(f"rotation about {axis}" for axis in "xyz"),
 )
 FREEDOM_NAMES = ("ux", "uy", "uz", "rx", "ry", "rz")
 

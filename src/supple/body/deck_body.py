@@ -57,6 +57,7 @@ from supple.importers.deck import (
     ShellProperty,
     SolidProperty,
     WallProperty,
+    WeightedMean,
 )
 from supple.mesh import CellType, Mesh
 
@@ -490,72 +491,43 @@ def _matrix(terms: ScalarTerms, n_nodes: int, d: int) -> sparse.csr_array:
     )
 
 
-def _zero_sums(given: Sequence[ScalarTerms], n_nodes: int, d: int, path: object) -> Constraints | None:
-    """Constraints that set each of the linear combinations to zero; None without any."""
-    given = [each for each in given if len(each.lines)]
-    if not given:
-        return None
-    dependent = [
-        np.where(each.dependent >= 0, _at(np.maximum(each.dependent, 0), d), -1)
-        if len(each.dependent)
-        else np.full(len(each.lines), -1)
-        for each in given
-    ]
-    return Constraints(
-        sparse.csr_array(sparse.vstack([_matrix(each, n_nodes, d) for each in given])),
-        np.concatenate(dependent),
-        tuple(f"{path}, line {line}: the constraint" for each in given for line in each.lines),
-    )
-
-
 def _constraints(deck: Deck, d: int, given: Sequence[ScalarTerms]) -> Constraints | None:
     """Constraints of `given`, and those by which reference nodes follow weighted means; None if none."""
-    n = len(deck.node_ids)
-    found = [_zero_sums(given, n, d, deck.path)]
-    means = [_mean_rows(deck, number, d) for number in range(len(deck.means))]
-    if means:
-        labels = tuple(
-            f"{deck.path}, line {mean.line}: {mean.name}"
-            for mean in deck.means
-            for _ in _followed(mean.components, d)
-        )
-        dependent = [
-            mean.reference * d + component
-            for mean in deck.means
-            for component in _followed(mean.components, d)
-        ]
-        rows = sparse.csr_array(sparse.vstack(means))
-        found.append(Constraints(rows, np.array(dependent, dtype=np.int64), labels))
-    there = [each for each in found if each is not None]
-    if not there:
+    parts = [_zero_sums(deck, terms, d) for terms in given if len(terms.lines)]
+    parts += [_following(deck, mean, d) for mean in deck.means]
+    if not parts:
         return None
     return Constraints(
-        sparse.csr_array(sparse.vstack([each.matrix for each in there])),
-        np.concatenate([each.dependent for each in there]),
-        tuple(label for each in there for label in each.labels),
+        sparse.csr_array(sparse.vstack([each.matrix for each in parts])),
+        np.concatenate([each.dependent for each in parts]),
+        tuple(label for each in parts for label in each.labels),
     )
 
 
-def _followed(components: Sequence[bool], d: int) -> list[int]:
-    return [component for component in range(d) if components[component]]
+def _zero_sums(deck: Deck, terms: ScalarTerms, d: int) -> Constraints:
+    """Constraints that set linear combinations to zero."""
+    dependent = np.full(len(terms.lines), -1)
+    if len(terms.dependent):
+        dependent = np.where(terms.dependent >= 0, _at(np.maximum(terms.dependent, 0), d), -1)
+    labels = tuple(f"{deck.path}, line {line}: the constraint" for line in terms.lines)
+    return Constraints(_matrix(terms, len(deck.node_ids), d), dependent, labels)
 
 
-def _mean_rows(deck: Deck, number: int, d: int) -> sparse.csr_array:
-    """Rows of u_ref - (mean motion of the nodes) = 0 for the components that follow, over all freedoms."""
-    mean = deck.means[number]
+def _following(deck: Deck, mean: WeightedMean, d: int) -> Constraints:
+    """Constraints u_ref - (mean motion of the nodes) = 0, for the components that follow."""
     used = np.flatnonzero(mean.weights > 0)
     nodes = mean.nodes[used]
     motion = averaged_motion(deck.nodes[nodes], mean.weights[used], deck.nodes[mean.reference], d)
-    rows = _followed(mean.components, d)
+    rows = np.flatnonzero(mean.components[:d])
     own = (nodes[:, None] * d + np.arange(d)).ravel()
     values = -motion.reshape(6, -1)[rows]
     i, j = np.nonzero(values)
-    places = (
-        np.concatenate([i, np.arange(len(rows))]),
-        np.concatenate([own[j], mean.reference * d + np.array(rows)]),
-    )
+    dependent = mean.reference * d + rows
+    places = np.concatenate([i, np.arange(len(rows))]), np.concatenate([own[j], dependent])
     entries = np.concatenate([values[i, j], np.ones(len(rows))])
-    return sparse.csr_array(sparse.coo_array((entries, places), shape=(len(rows), len(deck.node_ids) * d)))
+    shape = (len(rows), len(deck.node_ids) * d)
+    labels = (f"{deck.path}, line {mean.line}: {mean.name}",) * len(rows)
+    return Constraints(sparse.csr_array(sparse.coo_array((entries, places), shape=shape)), dependent, labels)
 
 
 def _ground(terms: ScalarTerms) -> NDArray[np.bool_]:

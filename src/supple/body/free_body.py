@@ -68,11 +68,11 @@ def free_body(
 
     M_nodal, K_nodal = checked("mass", nodal_mass), checked("stiffness", nodal_stiffness)
     C_nodal = None if nodal_damping is None else checked("damping", nodal_damping)
-    own = {"n_nodes": len(nodes), "dofs_per_node": dofs_per_node}
-    K_nodal, C_nodal = freed_boundary(K_nodal, M_nodal, C_nodal, **own)
+    K_nodal, C_nodal = freed_boundary(
+        K_nodal, M_nodal, C_nodal, n_nodes=len(nodes), dofs_per_node=dofs_per_node
+    )
     every = nodes if recovery is None else np.concatenate([nodes, recovery.points])
-    pieces = [each.nodes for each in attached.rigid]
-    tied = np.concatenate(pieces) if pieces else None
+    tied = np.concatenate([np.empty(0, dtype=np.int64), *(each.nodes for each in attached.rigid)])
     virtual = virtual_nodes(name, every, dofs_per_node, interfaces, node_ids, tied)
     rigid = [(node.name, node.node_ids, node.position) for node in virtual if node.is_rigid]
     for interface, members, _ in rigid:
@@ -92,7 +92,6 @@ def free_body(
         tolerance=rigid_tolerance,
     )
     displaced = made.bare[(made.bare < len(nodes) * dofs_per_node) & (made.bare % dofs_per_node < 3)]
-    M, K = made.mass, made.stiffness
     # The check needs the nodal matrices: the eliminations change the size of the forces that cancel.
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
     check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance, labels)
@@ -100,29 +99,34 @@ def free_body(
     if C_nodal is not None:
         check_moves_rigidly(name, "damping", C_nodal, R, dofs_per_node, rigid_tolerance, labels)
         C = made.of(C_nodal)
-        check_dissipates(name, C, K, rigid_tolerance)
+        check_dissipates(name, C, made.stiffness, rigid_tolerance)
     n_nodal = len(nodes) * dofs_per_node
-    of_all, T = made.expansion, made.expansion
-    if n_modal:
-        T = sparse.csc_array(T[:n_nodal])
+    of_all = made.expansion
+    T = sparse.csc_array(of_all[:n_nodal]) if n_modal else of_all
     own_mass = sparse.csc_array(M_nodal[:n_nodal, :n_nodal])
-    threes = _threes(made, own_mass)
+    of_nodes, of_points = own_mass, None
     if recovery is not None:
         recovery.check(name, nodes, dofs_per_node, n_nodal + n_modal)
         T = sparse.csc_array(sparse.vstack([T, recovery.rows(dofs_per_node) @ of_all]))
         masses = recovery.masses(M_nodal.toarray(), nodes, dofs_per_node) if n_modal else None
         if masses is not None:
-            points = sparse.csc_array(recovery.matrix) @ of_all
-            threes = _with_points(_threes(made, _of_nodes(masses[0])), points, masses[1])
-        own_mass, rotation_operator = _widened(own_mass, rotation_operator, len(every) * dofs_per_node)
+            of_nodes = _on_axes(masses[0])
+            of_points = sparse.csc_array(recovery.matrix) @ of_all, _on_axes(masses[1])
+    threes = _threes(made, of_nodes, of_points)
+    if recovery is not None:  # the points have zeros
+        n_wide = len(every) * dofs_per_node
+        own_mass.resize(n_wide, n_wide)
+        if rotation_operator is not None:
+            rotation_operator = sparse.csc_array(rotation_operator, copy=True)
+            rotation_operator.resize(rotation_operator.tocsr().indptr.size - 1, n_wide)
     body = FlexibleBody(
         name=name,
         nodes=read_only(every),
         dofs_per_node=dofs_per_node,
         expansion=T,
         nodal_mass=own_mass,
-        mass=M,
-        stiffness=K,
+        mass=made.mass,
+        stiffness=made.stiffness,
         interfaces=interface_motions(
             every,
             dofs_per_node,
@@ -134,7 +138,7 @@ def free_body(
         ),
         rigid_modes=read_only(made.rigid_modes),
         model=model,
-        force=LinearForce(K) if model is None else _quadratic_force(model, made),
+        force=LinearForce(made.stiffness) if model is None else _quadratic_force(model, made),
         rotation_operator=rotation_operator,
         rotation_limit=rotation_limit,
         threes=threes,
@@ -150,51 +154,27 @@ def free_body(
 
 
 def _threes(
-    made: Coordinates, nodal_mass: sparse.csc_array
+    made: Coordinates,
+    nodal_mass: sparse.csc_array,
+    points: tuple[sparse.csc_array, sparse.csc_array] | None,
 ) -> tuple[sparse.csc_array, sparse.csc_array] | None:
     """Map (n0, n) from q to the coordinates in triples q0, and the mass (n0, n0) of q0; None if q0 = q.
 
     Modal coordinates are not in q0.
+    points : displacements (3 P, n) of recovered points, and their mass (3 P, 3 P)
     """
-    rest = made.threes
-    if rest is None:
+    if (rest := made.threes) is None:
         return None
     n_threes, n_nodal = rest.indptr.size - 1, nodal_mass.indptr.size - 1
-    whole = sparse.csc_array(made.whole[:n_nodal, :n_threes])
-    return sparse.csc_array(rest), congruent(whole, nodal_mass)
+    mass = congruent(sparse.csc_array(made.whole[:n_nodal, :n_threes]), nodal_mass)
+    if points is not None:
+        rest, mass = sparse.vstack([rest, points[0]]), sparse.block_diag([mass, points[1]])
+    return sparse.csc_array(rest), sparse.csc_array(mass)
 
 
-def _of_nodes(masses: NDArray[np.float64]) -> sparse.csc_array:
-    """Masses and moments of inertia (N, 1 or 2) as a diagonal matrix of the nodal freedoms."""
+def _on_axes(masses: NDArray[np.float64]) -> sparse.csc_array:
+    """Masses and moments of inertia, each along or about three axes, as a diagonal matrix."""
     return sparse.csc_array(sparse.diags_array(np.repeat(masses, 3)))
-
-
-def _with_points(
-    of_nodes: tuple[sparse.csc_array, sparse.csc_array] | None,
-    points: sparse.csc_array,
-    masses: NDArray[np.float64],
-) -> tuple[sparse.csc_array, sparse.csc_array] | None:
-    """Result of `_threes`, extended by displacements (3 P, n) and masses (P,) of points; None for None."""
-    if of_nodes is None:
-        return None
-    rest, mass = of_nodes
-    own = sparse.diags_array(np.repeat(masses, 3))
-    return (
-        sparse.csc_array(sparse.vstack([rest, points])),
-        sparse.csc_array(sparse.block_diag([mass, own])),
-    )
-
-
-def _widened(
-    mass: sparse.csc_array, rotations: sparse.csc_array | None, n: int
-) -> tuple[sparse.csc_array, sparse.csc_array | None]:
-    """Mass and rotation operator, extended to n nodal freedoms with zeros for the added freedoms."""
-    k = n - (mass.indptr.size - 1)
-    wide = sparse.csc_array(sparse.block_diag([mass, sparse.csc_array((k, k))], format="csc"))
-    if rotations is None:
-        return wide, None
-    none = sparse.csc_array((rotations.tocsr().indptr.size - 1, k))
-    return wide, sparse.csc_array(sparse.hstack([rotations, none]))
 
 
 def _quadratic_force(model: FiniteElementModel, made: Coordinates) -> QuadraticStrainForce:

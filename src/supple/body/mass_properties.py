@@ -80,29 +80,22 @@ def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
     beams lines through their mass centres, with the rotary inertia of their sections.
     """
     middle = model.mesh.nodes.mean(axis=0)
-    total, first, second, rotary = 0.0, np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
-    for section in model.sections:
-        mass, about, squared, own = _moments(model.mesh, section, middle)
-        total += mass
-        first += about
-        second += squared
-        rotary += own
-    beside = model.attached.mass
-    if beside is not None:
-        added = rigid_mass_properties(beside, model.mesh.nodes, model.dofs_per_node)
+    parts: list[_Moments] = [(0.0, np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3)))]
+    parts += [_moments(model.mesh, section, middle) for section in model.sections]
+    if model.attached.mass is not None:
+        added = rigid_mass_properties(model.attached.mass, model.mesh.nodes, model.dofs_per_node)
         place = added.centre - middle
-        total += added.mass
-        first += added.mass * place
-        second += added.mass * np.outer(place, place)
-        rotary += added.inertia
+        parts.append((added.mass, added.mass * place, added.mass * np.outer(place, place), added.inertia))
+    total, first, second, rotary = (sum(each[1:], each[0]) for each in zip(*parts, strict=True))
     arm = first / total if total else first
     central = second - total * np.outer(arm, arm)
     return MassProperties(float(total), middle + arm, np.trace(central) * np.eye(3) - central + rotary)
 
 
-def _moments(
-    mesh: Mesh, section: Section, middle: FloatArray
-) -> tuple[float, FloatArray, FloatArray, FloatArray]:
+_Moments = tuple[float, FloatArray, FloatArray, FloatArray]
+
+
+def _moments(mesh: Mesh, section: Section, middle: FloatArray) -> _Moments:
     """Mass, int x dm, int x x^T dm and rotary inertia (3, 3) of a section's cells, with x from `middle`."""
     x, given = section.corners(mesh) - middle, section.property
     match given:
@@ -125,9 +118,7 @@ def _moments(
             return _beam_moments(beam_line(x, given, section.directions, section.offsets), x, given)
 
 
-def _beam_moments(
-    line: BeamLine, x: FloatArray, section: LineSection
-) -> tuple[float, FloatArray, FloatArray, FloatArray]:
+def _beam_moments(line: BeamLine, x: FloatArray, section: LineSection) -> _Moments:
     """`_moments` of beams between nodes x (E, 2, 3), by Gauss quadrature with three points along a beam."""
     s, weights = np.polynomial.legendre.leggauss(3)
     s = (1 + s) / 2

@@ -67,7 +67,20 @@ def tied_parts(
         own = nodes[node_ids] - position
         if own.any():  # zero for a single node at the virtual node
             set_of[node_ids], arms[node_ids] = number, own
-    return _parts(block, dofs_per_node, set_of, arms)
+    element_nodes = cell_nodes(block.dofs, dofs_per_node)
+    sets = np.sort(set_of[element_nodes], axis=1)
+    first = np.concatenate([sets[:, :1] >= 0, (np.diff(sets) > 0) & (sets[:, 1:] >= 0)], axis=1)
+    counts = first.sum(axis=1)
+    for count in np.unique(counts):
+        chosen = counts == count
+        part = block if chosen.all() else block.of(np.flatnonzero(chosen))
+        if count == 0:
+            yield np.flatnonzero(chosen), part
+            continue
+        own = sets[chosen][first[chosen]].reshape(-1, count)
+        held = set_of[element_nodes[chosen]][:, None] == own[..., None]
+        own_arms = np.where(held[..., None], arms[element_nodes[chosen]][:, None], 0.0)
+        yield np.flatnonzero(chosen), _tied(part, len(set_of) + own, own_arms, dofs_per_node)
 
 
 def with_virtual_nodes(expansion: sparse.csc_array, dofs_per_node: int, n_sets: int) -> sparse.csc_array:
@@ -84,26 +97,6 @@ def with_virtual_nodes(expansion: sparse.csc_array, dofs_per_node: int, n_sets: 
     shape = (columns.size, n)
     rows = sparse.csc_array((np.ones(columns.size), (np.arange(columns.size), columns.ravel())), shape=shape)
     return sparse.csc_array(sparse.vstack([expansion, rows]))
-
-
-def _parts(
-    block: QuadraticStrain, dofs_per_node: int, set_of: IntArray, arms: FloatArray
-) -> Iterator[tuple[IntArray, QuadraticStrain]]:
-    """Parts as for `tied_parts`, from the set (N,) of each node, or -1, and its arm (N, 3)."""
-    element_nodes = cell_nodes(block.dofs, dofs_per_node)
-    sets = np.sort(set_of[element_nodes], axis=1)
-    first = np.concatenate([sets[:, :1] >= 0, (np.diff(sets) > 0) & (sets[:, 1:] >= 0)], axis=1)
-    counts = first.sum(axis=1)
-    for count in np.unique(counts):
-        chosen = counts == count
-        part = block if chosen.all() else block.of(np.flatnonzero(chosen))
-        if count == 0:
-            yield np.flatnonzero(chosen), part
-            continue
-        own = sets[chosen][first[chosen]].reshape(-1, count)
-        held = set_of[element_nodes[chosen]][:, None] == own[..., None]
-        own_arms = np.where(held[..., None], arms[element_nodes[chosen]][:, None], 0.0)
-        yield np.flatnonzero(chosen), _tied(part, len(set_of) + own, own_arms, dofs_per_node)
 
 
 def _tied(block: QuadraticStrain, virtual: IntArray, arms: FloatArray, dofs_per_node: int) -> QuadraticStrain:
