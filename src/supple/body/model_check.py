@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -154,29 +154,47 @@ def check_model(
             remedy = "give the materials a density, or add concentrated masses"
         massless = Finding("mass", "none", Verdict.REFUSED, remedy)
         return ModelCheck((massless,), MassProperties(0.0, np.zeros(3), np.zeros((3, 3))), np.zeros(6))
-    labels = np.arange(len(nodes)) if node_ids is None else node_ids
-    R = nodal_rigid_modes(nodes, dofs_per_node)
-    n_modal = K.indptr.size - 1 - len(R)
-    R = np.vstack([R, np.zeros((n_modal, 6))])
+    n_nodal = len(nodes) * dofs_per_node
+    R = np.zeros((K.indptr.size - 1, 6))
+    R[:n_nodal] = nodal_rigid_modes(nodes, dofs_per_node)
     K, _ = freed_boundary(K, M, None, n_nodes=len(nodes), dofs_per_node=dofs_per_node)
+    labels = np.arange(len(nodes)) if node_ids is None else node_ids
+    model = _Model(nodes, dofs_per_node, K, M, R, labels, len(R) - n_nodal, rigid_tolerance)
     properties = rigid_mass_properties(M, nodes, dofs_per_node)
-    made, tied_found = _coordinates(nodes, dofs_per_node, K, M, attached, labels, rigid_tolerance)
+    made, tied_found = _coordinates(model, attached or Attached())
     findings = [
         _symmetry("stiffness", K),
         _symmetry("mass", M),
-        *_mass(M, R, properties, mesh_mass, n_modal),
+        *_mass(model, properties, mesh_mass),
         *tied_found,
-        *_modal(K, M, n_modal),
-        _grounding(K, R, labels, dofs_per_node, rigid_tolerance),
-        _units(nodes, K, M, dofs_per_node, n_modal),
+        *_modal(model),
+        _grounding(model),
+        _units(model),
     ]
     energy = _rigid_energy(K, R)
     check = ModelCheck(tuple(findings), properties, energy)
     positive = all(f.verdict is not Verdict.REFUSED for f in findings[:-2])
     if n_frequencies == 0 or not positive or made is None:
         return check
-    modes, n_zero, frequencies = _modes(M, R, n_frequencies, labels, dofs_per_node, made)
+    modes, n_zero, frequencies = _modes(model, n_frequencies, made)
     return ModelCheck((*findings, *modes), properties, energy, n_zero, frequencies)
+
+
+class _Model(NamedTuple):
+    """Matrices K and M (n, n) of nodes (N, 3) and modal coordinates, with R (n, 6), and labels (N,)."""
+
+    nodes: FloatArray
+    dofs_per_node: int
+    K: sparse.csc_array
+    M: sparse.csc_array
+    R: FloatArray
+    labels: NDArray[np.int64]
+    n_modal: int
+    tolerance: float
+
+    def label(self, row: int) -> str:
+        """Node id and component, or modal coordinate, of a row of the matrices."""
+        return freedom_label(row, self.labels, self.dofs_per_node)
 
 
 def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> ModelCheck:
@@ -334,27 +352,22 @@ def _symmetry(what: str, matrix: sparse.csc_array) -> Finding:
     )
 
 
-def _mass(
-    M: sparse.csc_array,
-    R: FloatArray,
-    found: MassProperties,
-    expected: MassProperties | None,
-    n_modal: int,
-) -> list[Finding]:
-    three = np.diag(R[:, :3].T @ (M @ R[:, :3]))
+def _mass(model: _Model, found: MassProperties, expected: MassProperties | None) -> list[Finding]:
+    three = np.diag(model.R[:, :3].T @ (model.M @ model.R[:, :3]))
     spread = float(np.ptp(three) / max(abs(found.mass), np.finfo(float).tiny))
-    seen = f"{found.mass:.6g} at {_point(found)}"
     if not found.mass > 0 or spread > SAME_MASS:
         masses = ", ".join(f"{value:.6g}" for value in three)
+        boundary = (
+            ", with the mass of the boundary freedoms and not of the modes alone" if model.n_modal else ""
+        )
         total = Finding(
             "mass",
             f"{masses} along x, y, z",
             Verdict.REFUSED,
-            "a body has one positive mass; export the whole matrix"
-            + (", with the mass of the boundary freedoms and not of the modes alone" if n_modal else ""),
+            f"a body has one positive mass; export the whole matrix{boundary if model.n_modal else ''}",
         )
     else:
-        total = Finding("mass and centre", seen)
+        total = Finding("mass and centre", f"{found.mass:.6g} at {_point(found)}")
     moments = np.linalg.eigvalsh(found.inertia)
     inertia = Finding("principal inertia", ", ".join(f"{value:.4g}" for value in moments))
     if moments[0] < -1e-9 * abs(moments[-1]) or moments[-1] > (1 + 1e-6) * (moments[0] + moments[1]):
@@ -385,23 +398,14 @@ def _against_mesh(found: MassProperties, expected: MassProperties) -> Finding:
     )
 
 
-def _coordinates(
-    nodes: FloatArray,
-    dofs_per_node: int,
-    K: sparse.csc_array,
-    M: sparse.csc_array,
-    attached: Attached | None,
-    labels: NDArray[np.int64],
-    tolerance: float,
-) -> tuple[Coordinates | None, list[Finding]]:
+def _coordinates(model: _Model, beside: Attached) -> tuple[Coordinates | None, list[Finding]]:
     """The coordinates after ties and condensation, and findings on mass and ties; None if refused."""
-    beside = Attached() if attached is None else attached
     try:
-        sets = rigid_sets("model", len(nodes), (), beside)
+        sets = rigid_sets("model", len(model.nodes), (), beside)
         made = coordinates(
-            *("model", nodes, dofs_per_node, K, M, sets, beside),
-            n_modal=K.indptr.size - 1 - len(nodes) * dofs_per_node,
-            tolerance=tolerance,
+            *("model", model.nodes, model.dofs_per_node, model.K, model.M, sets, beside),
+            n_modal=model.n_modal,
+            tolerance=model.tolerance,
         )
     except ModelError as error:
         remedy = (
@@ -410,7 +414,7 @@ def _coordinates(
         )
         seen = str(error).removeprefix("body 'model': ")
         return None, [Finding("positive mass", seen, Verdict.REFUSED, remedy)]
-    found = [_positive_mass(made, M, labels, dofs_per_node)]
+    found = [_positive_mass(model, made)]
     if made.n_fixed:
         seen = f"{made.n_fixed}, which are fixed"
         found.append(Finding("rotations without stiffness", seen))
@@ -420,17 +424,17 @@ def _coordinates(
     return made, found
 
 
-def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np.int64], d: int) -> Finding:
+def _positive_mass(model: _Model, made: Coordinates) -> Finding:
     """Finding on the mass: number and nodes of the massless motions, which are condensed statically."""
-    n, bare = mass.indptr.size - 1, made.bare
+    labels, d, bare = model.labels, model.dofs_per_node, made.bare
     if not made.n_massless:
         return Finding("positive mass", f"all {len(made.freedoms)} eigenvalues")
     nodes = np.unique(labels[bare[bare < len(labels) * d] // d])
     listed = ", ".join(str(node) for node in nodes[:8]) + (", ..." if len(nodes) > 8 else "")
     return Finding(
         "positive mass",
-        f"all but {made.n_massless} of {n} eigenvalues; the motions without mass, at nodes {listed}, follow "
-        "the others statically",
+        f"all but {made.n_massless} of {len(model.R)} eigenvalues; the motions without mass, at nodes "
+        f"{listed}, follow the others statically",
     )
 
 
@@ -441,19 +445,17 @@ def _rigid_energy(K: sparse.csc_array, R: FloatArray) -> FloatArray:
     return np.divide(np.abs(energy), alone, out=np.zeros(6), where=alone > 0)
 
 
-def _grounding(
-    K: sparse.csc_array, R: FloatArray, labels: NDArray[np.int64], dofs_per_node: int, tolerance: float
-) -> Finding:
-    ratios = rigid_force_ratios(K, R)
+def _grounding(model: _Model) -> Finding:
+    ratios = rigid_force_ratios(model.K, model.R)
     row, motion = np.unravel_index(int(np.argmax(ratios)), ratios.shape)
     worst = float(ratios[row, motion])
-    if worst <= tolerance:
+    if worst <= model.tolerance:
         return Finding("free of supports", f"rigid-body residual {worst:.0e} of the forces that cancel")
     seen = (
         f"in {RIGID_NAMES[motion]}, forces that must cancel sum to {worst:.1e} of their terms, most at "
-        f"{freedom_label(int(row), labels, dofs_per_node)}"
+        f"{model.label(int(row))}"
     )
-    factor = _unit_of_nodes(K, R, dofs_per_node, tolerance)
+    factor = _unit_of_nodes(model)
     if factor is not None:
         return Finding(
             "free of supports",
@@ -471,9 +473,10 @@ def _grounding(
     )
 
 
-def _unit_of_nodes(K: sparse.csc_array, R: FloatArray, dofs_per_node: int, tolerance: float) -> float | None:
+def _unit_of_nodes(model: _Model) -> float | None:
     """Factor on the node coordinates for which K R = 0; None if there is none, or without nodal rotations."""
-    if dofs_per_node == 3:
+    K, R = model.K, model.R
+    if model.dofs_per_node == 3:
         return None
     turning = R.copy()
     turning[:, :3] = 0.0
@@ -482,16 +485,15 @@ def _unit_of_nodes(K: sparse.csc_array, R: FloatArray, dofs_per_node: int, toler
     of_places, of_turns = (weights * (K @ part) for part in (places, turning - places))
     factor = -float(np.sum(of_places * of_turns) / max(np.sum(of_places**2), np.finfo(float).tiny))
     moved = np.hstack([R[:, :3], factor * places[:, 3:] + (turning - places)[:, 3:]])
-    return factor if factor > 0 and rigid_force_ratios(K, moved).max() <= tolerance else None
+    return factor if factor > 0 and rigid_force_ratios(K, moved).max() <= model.tolerance else None
 
 
-def wave_speed(nodes: FloatArray, stiffness: Any, mass: Any, *, dofs_per_node: int) -> float:
+def wave_speed(nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, *, dofs_per_node: int) -> float:
     """Median node spacing times sqrt(median of K_ii / M_ii): about 2 to 6 times the speed of sound.
 
     The spacing is the distance to the nearest node; K_ii / M_ii is the largest of the translations of a node.
     Parameters as for `check_model`, without modal coordinates; at least two nodes.
     """
-    K, M = stiffness, mass
     rates = np.divide(
         K.diagonal(), M.diagonal(), out=np.zeros(len(nodes) * dofs_per_node), where=M.diagonal() > 0
     )
@@ -500,15 +502,13 @@ def wave_speed(nodes: FloatArray, stiffness: Any, mass: Any, *, dofs_per_node: i
     return float(spacing * np.sqrt(max(float(np.median(fastest)), 0.0)))
 
 
-def _units(
-    nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, dofs_per_node: int, n_modal: int
-) -> Finding:
-    if len(nodes) < 2:
+def _units(model: _Model) -> Finding:
+    if len(model.nodes) < 2:
         return Finding("units", "not checked: a single node has no size")
-    n = len(nodes) * dofs_per_node
-    K, M = K[:n, :n], M[:n, :n]
-    speed = wave_speed(nodes, K, M, dofs_per_node=dofs_per_node)
-    extent = float(np.ptp(nodes, axis=0).max())
+    n = len(model.nodes) * model.dofs_per_node
+    own = model.K[:n, :n], model.M[:n, :n]
+    speed = wave_speed(model.nodes, *own, dofs_per_node=model.dofs_per_node)
+    extent = float(np.ptp(model.nodes, axis=0).max())
     seen = f"size {extent:.3g}, wave speed about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
     if USUAL_SPEEDS[0] <= speed <= USUAL_SPEEDS[1]:
         return Finding("units", seen)
@@ -517,19 +517,17 @@ def _units(
         "units",
         seen,
         # The distance between boundary grids of a condensed model does not give the wave speed.
-        Verdict.DOUBTFUL if possible or n_modal else Verdict.REFUSED,
+        Verdict.DOUBTFUL if possible or model.n_modal else Verdict.REFUSED,
         "use one consistent set: m, kg, s, Pa or mm, t, s, MPa",
     )
 
 
-def _modal(K: sparse.csc_array, M: sparse.csc_array, n_modal: int) -> Iterator[Finding]:
+def _modal(model: _Model) -> Iterator[Finding]:
     """Finding on modal coordinates: angular velocities must be well below the lowest modal frequency."""
-    if not n_modal:
+    if not (n_modal := model.n_modal):
         return
-    n = K.indptr.size - 1
-    rates = np.divide(K.diagonal(), M.diagonal(), out=np.full(n, np.inf), where=M.diagonal() > 0)[
-        n - n_modal :
-    ]
+    k, m = model.K.diagonal()[-n_modal:], model.M.diagonal()[-n_modal:]
+    rates = np.divide(k, m, out=np.full(n_modal, np.inf), where=m > 0)
     lowest = float(np.sqrt(max(rates.min(), 0.0)))
     if lowest <= 0:
         yield Finding(
@@ -548,12 +546,7 @@ def _modal(K: sparse.csc_array, M: sparse.csc_array, n_modal: int) -> Iterator[F
 
 
 def _modes(
-    M: sparse.csc_array,
-    R: FloatArray,
-    n_frequencies: int,
-    labels: NDArray[np.int64],
-    dofs_per_node: int,
-    made: Coordinates,
+    model: _Model, n_frequencies: int, made: Coordinates
 ) -> tuple[list[Finding], int | None, tuple[float, ...]]:
     wanted = min(6 + n_frequencies, len(made.freedoms))
     try:
@@ -568,32 +561,25 @@ def _modes(
         zero = wanted
     frequencies = tuple((np.sqrt(np.maximum(pairs.values[zero:], 0)) / (2 * np.pi)).tolist())
     rigid = made.expansion @ pairs.vectors[:, :zero]
-    found = [_zero_modes(zero, rigid, M, R, labels, dofs_per_node)]
+    found = [_zero_modes(model, zero, rigid)]
     if frequencies:
         listed = ", ".join(f"{value:.4g}" for value in frequencies)
         found.append(Finding(LOWEST_FREQUENCIES, listed))
     return found, zero, frequencies
 
 
-def _zero_modes(
-    zero: int,
-    vectors: FloatArray,
-    M: sparse.csc_array,
-    R: FloatArray,
-    labels: NDArray[np.int64],
-    dofs_per_node: int,
-) -> Finding:
+def _zero_modes(model: _Model, zero: int, vectors: FloatArray) -> Finding:
     what = "modes without energy"
     if zero == 6:
         return Finding(what, "6, as for a free body")
     if zero < 6:
         return Finding(what, f"{zero} of 6", Verdict.REFUSED, "the model is supported: remove its supports")
-    loads = M @ R
+    R, loads = model.R, model.M @ model.R
     rest = vectors - R @ np.linalg.solve(R.T @ loads, loads.T @ vectors)
     row = int(np.argmax(np.abs(rest).max(axis=1)))
     return Finding(
         what,
-        f"{zero} of 6; the further ones move most at {freedom_label(row, labels, dofs_per_node)}",
+        f"{zero} of 6; the further ones move most at {model.label(row)}",
         Verdict.REFUSED,
         "a mechanism, a freedom without stiffness or a loose part: connect it, or give it stiffness",
     )
