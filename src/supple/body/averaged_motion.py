@@ -25,14 +25,10 @@ def averaged_motion(
     hence the transpose of the map distributes a force and a moment at the position over the nodes, with
     equal resultants.
 
-    Parameters
-    ----------
     points   : (k, 3), not all on one line if dofs_per_node is 3
     weights  : (k,) positive
     position : (3,), where u_v is the displacement
-    Returns
-    -------
-    (6, k, dofs_per_node)   (u_v, theta_v) as a linear map of the nodes' freedoms
+    Returns (6, k, dofs_per_node): (u_v, theta_v) as a linear map of the nodes' freedoms.
     """
     shares = weights / weights.sum()
     centroid = shares @ points

@@ -47,14 +47,10 @@ def eliminate(
 ) -> StaticallyTied:
     """The numbers of the coordinates that remain after constraints, and the expansion from them to all q.
 
-    Parameters
-    ----------
     given : constraints on the nodal freedoms u = expansion @ q;  rigid_modes : (n, 6) of q
     last : (n,) mask of coordinates that are eliminated only if no other coordinate can be
     held : whether the constraints may resist rigid motion of the body
-    Raises
-    ------
-    ModelError   constraints that resist rigid motion of the body, unless `held`
+    Raises ModelError for constraints that resist rigid motion of the body, unless `held`.
     """
     rows = sparse.csr_array(given.matrix @ expansion)
     n = expansion.indptr.size - 1

@@ -117,10 +117,7 @@ def rigid_sets(
 
     interfaces : (name, nodes, position) of rigid interfaces
     attached : the rigid pieces of the body
-
-    Raises
-    ------
-    ModelError   two interfaces in one merged set
+    Raises ModelError for two interfaces in one merged set.
     """
     given = [*interfaces, *((each.name, each.nodes, each.position) for each in attached.rigid)]
     if not attached.rigid:
@@ -165,11 +162,8 @@ def coordinates(
     n_modal : number of modal coordinates, the last rows of the matrices; zero in rigid motions
     tolerance : eigenvalues of the mass matrix, scaled to a unit diagonal, count as zero up to this value
     held : whether constraints may resist rigid motion; displacements without stiffness are then fixed as well
-
-    Raises
-    ------
-    ModelError   constraints that resist rigid motion, unless `held`; negative mass; a rigid interface with a
-                 motion without mass; motions with neither mass nor stiffness; too many massless freedoms
+    Raises ModelError for constraints that resist rigid motion, unless `held`; negative mass; a rigid
+    interface with a motion without mass; motions with neither mass nor stiffness; too many massless freedoms.
     """
     whole = rigid_elimination(nodes, dofs_per_node, sets)
     if n_modal:

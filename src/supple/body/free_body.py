@@ -53,10 +53,7 @@ def free_body(
 
     n_modal : number of modal coordinates, the last rows of the matrices; zero in rigid motions
     recovery : matrix of the motion of points, which become the last nodes, without mass in `nodal_mass`
-
-    Raises
-    ------
-    ModelError   as for `flexible_body` and `superelement`
+    Raises ModelError as for `flexible_body` and `superelement`.
     """
     node_ids = None if model is None else model.mesh.node_ids
     attached = Attached() if model is None else model.attached

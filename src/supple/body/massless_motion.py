@@ -38,10 +38,7 @@ def massless_motions(mass: sparse.csc_array, tolerance: float) -> FloatArray:
 
     mass : M (n, n), with a positive diagonal
     tolerance : eigenvalues of M, scaled to a unit diagonal, count as zero if their absolute value is smaller
-
-    Raises
-    ------
-    ModelError  an eigenvalue below minus the tolerance
+    Raises ModelError for an eigenvalue below minus the tolerance.
     """
     n = mass.indptr.size - 1
     try:
@@ -75,10 +72,7 @@ def tie_statically(
     """The kept freedoms and expansion after static condensation of the massless motions Z (n, k).
 
     eligible : (n,)     mask of freedoms that may be eliminated
-
-    Raises
-    ------
-    ModelError  motions without stiffness, or motions that the eligible freedoms cannot represent
+    Raises ModelError for motions without stiffness, or motions that the eligible freedoms cannot represent.
     """
     n, k = motions.shape
     forces = motions.T @ stiffness

@@ -22,13 +22,9 @@ def rigid_elimination(
         q = (freedoms of the nodes outside the sets in nodal order, then (u_v, theta_v) of each set)
         u_a = u_v + theta_v x (x_a - x_v),   theta_a = theta_v
 
-    Parameters
-    ----------
     nodes      : (N, 3)
     rigid_sets : (node numbers (k,), position of the virtual node (3,)) each; no node in two of them
-    Returns
-    -------
-    csc (N * dofs_per_node, n)   n = (free nodes) * dofs_per_node + 6 * (sets)
+    Returns csc (N * dofs_per_node, n): n = (free nodes) * dofs_per_node + 6 * (sets).
     Source: Wu et al. 2019, Appendix B.
     """
     free = np.ones(len(nodes), dtype=bool)

@@ -44,15 +44,11 @@ def second_order_strains(
     their sets. The rotations theta of a virtual node are three additional gradients, with
     N_theta,theta = B Q.
 
-    Parameters
-    ----------
     blocks : strains of the elements in the nodal freedoms u
     nodes : (N, 3)
     rigid_sets : (node numbers (k,), position of the virtual node (3,)) of each set; no node is in two sets
-    Returns
-    -------
-    QuadraticStrain blocks in the freedoms of the N nodes and the virtual nodes, ordered as the rows of
-    `with_virtual_nodes`
+    Returns QuadraticStrain blocks in the freedoms of the N nodes and the virtual nodes, ordered as the rows
+    of `with_virtual_nodes`.
     """
     return tuple(part for block in blocks for _, part in tied_parts(block, nodes, dofs_per_node, rigid_sets))
 
@@ -88,9 +84,7 @@ def with_virtual_nodes(expansion: sparse.csc_array, dofs_per_node: int, n_sets: 
 
     A virtual node has the freedoms (u_v, theta_v) if dofs_per_node is 6, and theta_v if it is 3.
 
-    Returns
-    -------
-    csc (n_nodal + n_sets * dofs_per_node, n)
+    Returns csc (n_nodal + n_sets * dofs_per_node, n).
     """
     n = expansion.indptr.size - 1
     columns = n - 6 * n_sets + 6 * np.arange(n_sets)[:, None] + np.arange(6 - dofs_per_node, 6)

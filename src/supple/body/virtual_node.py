@@ -47,11 +47,8 @@ def virtual_nodes(
 
     labels : (N,) ids of the nodes, for messages; by default node numbers
     tied : numbers of nodes of rigid pieces, which have the rotation of their piece
-
-    Raises
-    ------
-    ModelError   interfaces without nodes, with invalid or repeated nodes, with equal names, weights or
-                 positions that are invalid; nodes in two rigid interfaces; collinear nodes without rotations
+    Raises ModelError for interfaces without nodes, with invalid or repeated nodes, with equal names, weights
+    or positions that are invalid; nodes in two rigid interfaces; collinear nodes without rotations.
     """
     labels = np.arange(len(nodes)) if labels is None else labels
     held_by: dict[int, str] = {}

@@ -27,10 +27,7 @@ def attached_parts(
     """The attachments of each part; an attachment belongs to the first part that contains all its nodes.
 
     parts : nodes of each part, ascending; parts may share nodes;  node_ids : (N,) node names for messages
-
-    Raises
-    ------
-    ModelError   a spring, mass, dashpot, tie or constraint whose nodes lie in several parts
+    Raises ModelError for a spring, mass, dashpot, tie or constraint whose nodes lie in several parts.
     """
     shares = _Shares(tuple(parts), node_ids, dofs_per_node)
     return tuple(shares.of(attached, part) for part in range(len(parts)))

@@ -72,9 +72,7 @@ def beam_line(
 ) -> BeamLine:
     """Axes of beams between nodes (E, 2, 3); `directions` and `offsets` as in `Section`.
 
-    Raises
-    ------
-    ModelError   an orientation along the beam; ends that coincide
+    Raises ModelError for an orientation along the beam; ends that coincide.
     """
     ends = nodes if offsets is None else nodes + offsets
     chord = ends[:, 1] - ends[:, 0]
@@ -124,13 +122,10 @@ def beam_strain(
     of third order, as at a rigid interface. Released freedoms are condensed with the linear stiffness, so
     that the energy is correct to third order and the force to second.
 
-    Parameters
-    ----------
-    dofs : int array (E, 12)    ux uy uz rx ry rz of either node
-    kinematics : ShellKinematics
-            kinematics without in-plane gradients (VON_KARMAN) are for small rotations: only eps has quadratic
-            terms, of the slopes of the chord; k and m stay linear
-    released : bool array (E, 12) or None       as in `Section`
+    dofs : (E, 12)    ux uy uz rx ry rz of either node
+    kinematics : without in-plane gradients (VON_KARMAN) for small rotations: only eps has quadratic terms, of
+        the slopes of the chord; k and m stay linear
+    released : (E, 12) or None    as in `Section`
     Source: J. S. Przemieniecki, Theory of Matrix Structural Analysis (1968), eq. (5.116), the stiffness at
     rest; the quadratic terms: docs/theory/quadratic_strain.md.
     """

@@ -32,14 +32,10 @@ FloatArray = NDArray[np.float64]
 def bent_with_surface(xy: FloatArray, curvature: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Membrane strain and drilling due to inextensional bending in facets, (E, 3, 12) each.
 
-    Parameters
-    ----------
-    xy : float array (E, 3, 2)          corners, counter-clockwise, m
-    curvature : float array (E, 2, 2)   K of the surface, in the plane of each facet, 1/m
-    Returns
-    -------
-    strain rows xx yy xy (engineering shear), drilling rows by corner; columns as in
-    `kirchhoff_bending.curvature`
+    xy : (E, 3, 2)    corners, counter-clockwise, m
+    curvature : (E, 2, 2)    K of the surface, in the plane of each facet, 1/m
+    Returns strain rows xx yy xy (engineering shear), drilling rows by corner; columns as in
+    `kirchhoff_bending.curvature`.
     """
     s = side_directions(xy)
     g, b = _surface_slopes(xy, curvature)[..., None], _bend_slopes(xy)

@@ -14,13 +14,9 @@ FloatArray = NDArray[np.float64]
 def green_lagrange_form(n_components: int, strains: tuple[tuple[int, int], ...]) -> FloatArray:
     """N of the Green-Lagrange strain: N(a, b)_ij = sum_k a_ki b_kj, twice its symmetric part for shears.
 
-    Parameters
-    ----------
-    n_components : int                  number of displacement components k
+    n_components : number of displacement components k
     strains : tuple of index pairs      the strain components ij, in their Voigt order
-    Returns
-    -------
-    float array (s, d, d)               read-only; gradient a_ki = du_k/dx_i at index k n + i, n directions i
+    Returns (s, d, d): read-only; gradient a_ki = du_k/dx_i at index k n + i, n directions i.
     """
     directions = 1 + max(max(pair) for pair in strains)
     form = np.zeros((len(strains), n_components, directions, n_components, directions))

@@ -41,16 +41,11 @@ AT_CORNER = [0, 1, 2], [2, 0, 1]
 def curvature(xy: FloatArray, points: FloatArray, phi: FloatArray) -> FloatArray:
     """Curvatures beta_x,x  beta_y,y  beta_x,y + beta_y,x, linear over each triangle.
 
-    Parameters
-    ----------
-    xy : float array (E, 3, 2)      corners, counter-clockwise
-    points : float array (p, 3)     area coordinates
-    phi : float array (E, 3)        shear flexibility of the sides, zero where shear is rigid
-    Returns
-    -------
-    float array (E, p, 3, 12)       rows: curvatures xx, yy, xy (twice the twist); columns: rx ry of the three
-                                    corners, then x y of an in-plane vector for each side (12, 23, 31), whose
-                                    component along the side is the mismatch
+    xy : (E, 3, 2)    corners, counter-clockwise
+    points : (p, 3)    area coordinates
+    phi : (E, 3)    shear flexibility of the sides, zero where shear is rigid
+    Returns (E, p, 3, 12): rows: curvatures xx, yy, xy (twice the twist); columns: rx ry of the three corners,
+    then x y of an in-plane vector for each side (12, 23, 31), whose component along the side is the mismatch.
     """
     gradients = _quadratic_gradients(xy, points)
     slopes = _slopes(xy, phi)

@@ -18,12 +18,9 @@ Array = NDArray[Any]
 class NodeSparsity:
     """A symmetric pattern of full node blocks, in compressed rows (which are also its compressed columns).
 
-    Parameters
-    ----------
     indptr, indices : int32 arrays      compressed pattern, sorted
-    scatter : csr_array (blocks, pairs)     sums the node pairs of all cells into the blocks
-    order : int32 array (nnz,)              entries of the blocks in compressed order
-    dofs_per_node : int
+    scatter : csr_array (blocks, pairs)    sums the node pairs of all cells into the blocks
+    order : int32 array (nnz,)    entries of the blocks in compressed order
     """
 
     indptr: IntArray

@@ -46,12 +46,8 @@ def drilling_strain(xy: FloatArray) -> FloatArray:
 
     The sum of both strains is the strain L^T u / (A t) of the basic stiffness, with the lumping matrix L.
 
-    Parameters
-    ----------
-    xy : float array (E, 3, 2)      corners, counter-clockwise
-    Returns
-    -------
-    float array (E, 3, 3)           rows strains xx, yy, xy (engineering shear); columns d_1 d_2 d_3
+    xy : (E, 3, 2)    corners, counter-clockwise
+    Returns (E, 3, 3): rows strains xx, yy, xy (engineering shear); columns d_1 d_2 d_3.
     """
     to_next, to_last = xy - xy[:, NEXT], xy[:, LAST] - xy
     (x_ai, y_ai), (x_ja, y_ja) = np.moveaxis(to_next, 2, 0), np.moveaxis(to_last, 2, 0)
@@ -65,10 +61,8 @@ def drilling_stiffness(xy: FloatArray, membrane: FloatArray) -> FloatArray:
 
         K_h = 3/4 beta_0 A sum_m H_m^T E H_m,   H_m the strain at the mid-sides from the deviations
 
-    Parameters
-    ----------
-    xy : float array (E, 3, 2)          corners, counter-clockwise
-    membrane : float array (3, 3) or (E, 3, 3)    stiffness t E in the axes of xy
+    xy : (E, 3, 2)    corners, counter-clockwise
+    membrane : (3, 3) or (E, 3, 3)    stiffness t E in the axes of xy
     """
     area = triangle_area(xy)
     sides = xy - xy[:, LAST]
@@ -91,9 +85,7 @@ def higher_order_weight(E: FloatArray) -> FloatArray:
 
     For an isotropic material it is (1 - 4 nu^2)/2.
 
-    Parameters
-    ----------
-    E : float array (..., 3, 3)     plane-stress stiffness times any factor, in any axes of the plane
+    E : (..., 3, 3)    plane-stress stiffness times any factor, in any axes of the plane
     """
     E11, E12, E13, E22, E23, E33 = (E[..., i, j] for i, j in zip(*np.triu_indices(3), strict=True))
     W = (

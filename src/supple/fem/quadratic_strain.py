@@ -198,12 +198,8 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
 
         f''(x, y) = sum_g w { B^T D N(Gx, Gy) + G^T N^T(D B x) G y + G^T N^T(D B y) G x }
 
-    Parameters
-    ----------
-    X : float array (E, n, m)       m directions
-    Returns
-    -------
-    float array (E, n, m(m+1)/2)    pairs j <= k in the order of numpy.triu_indices(m)
+    X : (E, n, m)    m directions
+    Returns (E, n, m(m+1)/2): pairs j <= k in the order of numpy.triu_indices(m).
     """
     m = X.shape[2]
     a = _directions(block.G, X)
@@ -230,9 +226,7 @@ def force_parts(block: QuadraticStrain, X: FloatArray) -> Iterator[FloatArray]:
         sum_g w G^T N(G x_j)^T D B x_k                      (E, n, m)   for every j
         sum_g w G^T N(G x_i)^T D N(G x_j, G x_k)            (E, n, p)   for every i
 
-    Parameters
-    ----------
-    X : float array (E, n, m)       directions; pairs in the order of numpy.triu_indices(m)
+    X : (E, n, m)    directions; pairs in the order of numpy.triu_indices(m)
     """
     m = X.shape[2]
     a = _directions(block.G, X)
@@ -255,13 +249,9 @@ def strain_pair_forces(
     This is the first of the three terms of `pair_forces`: the force of the stress D N(x, y). The other two
     terms, of the linear stresses of x and of y, are not included.
 
-    Parameters
-    ----------
-    X : float array (E, n, m)           m directions
-    first, second : int arrays (p,)     columns of X
-    Returns
-    -------
-    float array (E, n, p)
+    X : (E, n, m)    m directions
+    first, second : int arrays (p,)    columns of X
+    Returns (E, n, p).
     """
     a = _directions(block.G, X)
     stiff_B = block.weighted_stress(block.B)

@@ -18,10 +18,8 @@ def rod_strain(ends: FloatArray, dofs: NDArray[np.int64], section: RodSection) -
         eps = g_x + 1/2 g.g     D = E A L
         k   = x . (theta_2 - theta_1)     D = G J / L; only if J > 0
 
-    Parameters
-    ----------
-    ends : float array (E, 2, 3)    positions of the nodes
-    dofs : int array (E, 6) or, with torsion, (E, 12)     ux uy uz, or ux uy uz rx ry rz of either node
+    ends : (E, 2, 3)    positions of the nodes
+    dofs : (E, 6) or, with torsion, (E, 12)    ux uy uz, or ux uy uz rx ry rz of either node
     """
     chord = ends[:, 1] - ends[:, 0]
     L = np.linalg.norm(chord, axis=1)

@@ -124,10 +124,8 @@ class Section:
 def sections(mesh: Mesh, given: Property | Mapping[str, Property]) -> tuple[Section, ...]:
     """Sections of a mesh, from one property for all its cells, or one property for each cell set.
 
-    Raises
-    ------
-    ModelError   a cell without a property, or with two
-    MeshError    a cell set that the mesh does not have
+    Raises ModelError for a cell without a property, or with two; MeshError for a cell set that the mesh does
+    not have.
     """
     check_instance("the mesh of a model", mesh, Mesh, "a Mesh, such as read_mesh(path) returns")
     if not isinstance(given, Mapping):

@@ -37,18 +37,15 @@ LAYERS = (-1.0, 0.0, 1.0)
 class SectionStress:
     """Stress, or strain, of the cells of one section.
 
-    Parameters
-    ----------
-    nodes : int array (E, k)
-    arrays : QuadraticStrain                    strain at g points
-    of_strain : float array (E, l', 6, s)       tensors at l' places of a point from the strain of the point:
-                                                one place in solids, the heights in shells, the recovery
-                                                points of both ends in beams
-    to_nodes : float array (k, l, g l')         from these tensors to l layers at each node of the cell
-    first_layer : int array (E, k)              number, among the layers of the node, of the first of these l
-    share : float array (E, k)                  weight of the cell in the nodal average
-    turned : bool array (E,)                    cells of a shell whose bottom is the top of the wall
-                                                (`turned_over`); their layers at the nodes are exchanged
+    nodes : (E, k)
+    arrays : strain at g points
+    of_strain : (E, l', 6, s)    tensors at l' places of a point from the strain of the point: one place in
+        solids, the heights in shells, the recovery points of both ends in beams
+    to_nodes : (k, l, g l')    from these tensors to l layers at each node of the cell
+    first_layer : (E, k)    number, among the layers of the node, of the first of these l
+    share : (E, k)    weight of the cell in the nodal average
+    turned : (E,)    cells of a shell whose bottom is the top of the wall (`turned_over`); their layers at
+        the nodes are exchanged
     """
 
     nodes: NDArray[np.int64]

@@ -74,18 +74,11 @@ def shell_triangle(
 ) -> QuadraticStrain:
     """Quadratic-strain arrays of shell triangles with one section.
 
-    Parameters
-    ----------
-    corners : float array (E, 3, 3)     positions, m
-    dofs : int array (E, 18)            nodal freedoms
-    section : HomogeneousSection or LaminateSection
-    kinematics : ShellKinematics
-    directions : float array (E, 3) or None             as in `Section`
-    surface_curvature : float array (E, 3, 3) or None   as in `Section`
-
-    Raises
-    ------
-    ModelError   a direction that is normal to its element
+    corners : (E, 3, 3)    positions, m
+    dofs : (E, 18)    nodal freedoms
+    directions : (E, 3) or None    as in `Section`
+    surface_curvature : (E, 3, 3) or None   as in `Section`
+    Raises ModelError for a direction that is normal to its element.
     """
     axes = element_axes(corners, section, directions)
     xy = plane_coordinates(corners, axes)
@@ -126,11 +119,9 @@ def resultant_strains(
 ) -> tuple[FloatArray, FloatArray]:
     """Strain eps_m + A^-1 B kappa_1 (E, 3, 18), and curvature (E, p, 3, 18), from the strains of the element.
 
-    Parameters
-    ----------
-    xy : float array (E, 3, 2)                          corners in the plane of the element
-    points : float array (p, 3)                         area coordinates of the curvature
-    surface_curvature : float array (E, 2, 2) or None   of the surface, in that plane, 1/m
+    xy : (E, 3, 2)    corners in the plane of the element
+    points : (p, 3)    area coordinates of the curvature
+    surface_curvature : (E, 2, 2) or None   of the surface, in that plane, 1/m
     """
     membrane = drilling_strain(xy) @ drilling_rotations(xy, section, surface_curvature)
     membrane[..., MEMBRANE] += np.eye(3)
@@ -153,13 +144,10 @@ def layer_strain(
 ) -> FloatArray:
     """In-plane strain eps_m + o kappa_1 + z kappa at the centroid from the element strains, (E, l, 3, 18).
 
-    Parameters
-    ----------
-    corners : float array (E, 3, 3)
-    axes : float array (E, 3, 3)    of the elements
-    section : HomogeneousSection    with the offset o of its mid-surface
-    heights : float array (l,)      z along the normal from the middle of the wall, m
-    surface_curvature : float array (E, 3, 3) or None   as in `Section`
+    axes : (E, 3, 3)    of the elements
+    section : with the offset o of its mid-surface
+    heights : (l,)    z along the normal from the middle of the wall, m
+    surface_curvature : (E, 3, 3) or None   as in `Section`
     """
     xy = plane_coordinates(corners, axes)
     membrane, bending = resultant_strains(xy, CENTRE, section, plane_tensor(surface_curvature, axes))

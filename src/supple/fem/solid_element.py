@@ -33,12 +33,9 @@ IntArray = NDArray[np.int64]
 class SolidElement:
     """A solid element.
 
-    Parameters
-    ----------
-    cell_type : CellType
-    strain_rule : Quadrature    for the strain energy, with enough points to exclude zero-energy modes
-    mass_rule : Quadrature      exact for the mass and inertia of a cell with curved sides
-    incompatible : bool         HEXA8 with three incompatible modes, which bend without shear
+    strain_rule : for the strain energy, with enough points to exclude zero-energy modes
+    mass_rule : exact for the mass and inertia of a cell with curved sides
+    incompatible : HEXA8 with three incompatible modes, which bend without shear
     """
 
     cell_type: CellType
@@ -62,11 +59,9 @@ def solid_strain(
     to its gradient ([SimoRifai1990]; for Green-Lagrange strains [KlinkelWagner1997]). The linear stiffness is
     that of Wilson and Taylor, and the energy is invariant to any rotation.
 
-    Parameters
-    ----------
-    corners : float array (E, k, 3)     positions of all nodes of each cell, m
-    dofs : int array (E, 3k)            nodal freedoms
-    directions : float array (E, 3, 3) or None      axes of the material, as columns; global ones when None
+    corners : (E, k, 3)    positions of all nodes of each cell, m
+    dofs : (E, 3k)    nodal freedoms
+    directions : (E, 3, 3) or None    axes of the material, as columns; global ones when None
     """
     rule = element.strain_rule
     reference = shape_gradients(element.cell_type, rule.points)
@@ -124,14 +119,9 @@ def turned_elasticity(elasticity: FloatArray, directions: FloatArray) -> FloatAr
 
     T takes strains (engineering shears) from global axes to those of the material, the columns of R.
 
-    Parameters
-    ----------
-    elasticity : float array (6, 6)         in the axes of the material, order of `SOLID_FORM`
-    directions : float array (E, 3, 3)      orthonormal, as columns
-
-    Raises
-    ------
-    ModelError   columns that are not orthonormal
+    elasticity : (6, 6)    in the axes of the material, order of `SOLID_FORM`
+    directions : (E, 3, 3)    orthonormal, as columns
+    Raises ModelError for columns that are not orthonormal.
     """
     square = directions.swapaxes(1, 2) @ directions
     bad = np.flatnonzero(np.abs(square - np.eye(3)).max(axis=(1, 2)) > 1e-6)
