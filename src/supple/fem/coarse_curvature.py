@@ -68,5 +68,5 @@ def warn_of_coarse_curvature(mesh: Mesh, shells: list[Section]) -> None:
         f"(angle between neighbours)^2 x size / thickness reaches {number.max():.2g}. Above {COARSE:g} a "
         "doubly curved wall is too stiff, at 10 by tens of per cent; refine the mesh there",
         SuppleWarning,
-        stacklevel=6,
+        stacklevel=5,
     )

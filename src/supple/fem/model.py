@@ -132,7 +132,9 @@ def shell_model(
     expected = "GREEN_LAGRANGE or VON_KARMAN of supple.fem"
     check_instance("shell_model, kinematics", kinematics, ShellKinematics, expected)
     given = sections(mesh, section)
-    return _shell_model(mesh, given, kinematics)
+    for each in given:
+        _check_shell(mesh, each)
+    return _model(mesh, 6, given, kinematics)
 
 
 def solid_model(
@@ -152,7 +154,9 @@ def solid_model(
     MeshError    a cell set that the mesh does not have
     """
     given = sections(mesh, material)
-    return _solid_model(mesh, given)
+    for each in given:
+        _check_solid(each)
+    return _model(mesh, 3, given)
 
 
 def finite_element_model(
@@ -180,10 +184,8 @@ def finite_element_model(
     """
     for section in given:
         (_check_solid if section.cell_type.dimension == 3 else partial(_check_shell, mesh))(section)
-    turns = any(section.turns_nodes() for section in given)
-    limit = kinematics.rotation_limit if turns else float("inf")
-    d = dofs_per_node or (6 if turns else 3)
-    return _model(mesh, d, given, limit, kinematics, attached or Attached(), mass_of)
+    d = dofs_per_node or (6 if any(section.turns_nodes() for section in given) else 3)
+    return _model(mesh, d, given, kinematics, attached or Attached(), mass_of)
 
 
 def parts_of_model(model: FiniteElementModel, divided: DividedMesh) -> tuple[FiniteElementModel, ...]:
@@ -225,7 +227,8 @@ def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
     Raises ModelError for a concentrated mass that couples several nodes.
     """
     beside = point_masses(model.attached, model.dofs_per_node)
-    return (*_cell_masses(model.mesh, model.sections), *(() if beside is None else (beside,)))
+    cells = (_cell_mass(model.mesh, section) for section in model.sections)
+    return (*cells, *(() if beside is None else (beside,)))
 
 
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
@@ -233,10 +236,8 @@ def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
 
     Raises ModelError as for `node_masses`.
     """
-    masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))
-    diagonal = (
-        nodal_mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
-    )
+    masses = tuple(_cell_mass(model.mesh, section).lumped() for section in model.sections)
+    diagonal = nodal_mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal()
     diagonal.reshape(model.mesh.n_nodes, -1)[:, :3] += node_masses(model)[:, None]
     return diagonal
 
@@ -272,18 +273,6 @@ def refuse_attached(attached: Attached, what: str) -> None:
             f"{what} supports no {attached.what} beside its elements; leave them out of the model, or use a "
             "body in a floating frame"
         )
-
-
-def _shell_model(mesh: Mesh, given: tuple[Section, ...], kinematics: ShellKinematics) -> FiniteElementModel:
-    for section in given:
-        _check_shell(mesh, section)
-    return _model(mesh, 6, given, kinematics.rotation_limit, kinematics, Attached())
-
-
-def _solid_model(mesh: Mesh, given: tuple[Section, ...]) -> FiniteElementModel:
-    for section in given:
-        _check_solid(section)
-    return _model(mesh, 3, given, float("inf"), GREEN_LAGRANGE, Attached())
 
 
 def _check_shell(mesh: Mesh, section: Section) -> None:
@@ -353,14 +342,13 @@ def _portions(given: tuple[Section, ...]) -> Iterator[Section]:
 
 def _model(
     mesh: Mesh,
-    dofs_per_node: int,
+    d: int,
     given: tuple[Section, ...],
-    rotation_limit: float,
-    kinematics: ShellKinematics,
-    attached: Attached,
+    kinematics: ShellKinematics = GREEN_LAGRANGE,
+    attached: Attached = Attached(),  # noqa: B008 (it is immutable)
     mass_of: MassRule = consistent_mass,
 ) -> FiniteElementModel:
-    d = dofs_per_node
+    """The model of checked sections, with d freedoms for each node."""
     given = _on_their_surface(mesh, given)
     cells = [section.nodes(mesh) for section in given]
     sparsity = node_sparsity(
@@ -368,15 +356,15 @@ def _model(
     )
     elements = (_block(mesh, portion, kinematics, d) for portion in _portions(given))
     matrices = (full_cells(stiffness(block), block.dofs, d) for block in chain(elements, attached.springs))
-    masses = tuple(mass_of(mass) for mass in _cell_masses(mesh, given))
-    mass = nodal_mass_matrix(masses, mesh.n_nodes, d)
+    mass = nodal_mass_matrix(tuple(mass_of(_cell_mass(mesh, each)) for each in given), mesh.n_nodes, d)
+    turns = any(section.turns_nodes() for section in given)
     return FiniteElementModel(
         mesh=mesh,
         dofs_per_node=d,
         sections=given,
         mass=mass if attached.mass is None else csc_array(mass + attached.mass),
         stiffness=sparsity.matrix(sparsity.data_of_portions(matrices)),
-        rotation_limit=rotation_limit,
+        rotation_limit=kinematics.rotation_limit if turns else float("inf"),
         kinematics=kinematics,
         attached=attached,
         mass_of=mass_of,
@@ -398,10 +386,6 @@ def _on_their_surface(mesh: Mesh, given: tuple[Section, ...]) -> tuple[Section, 
         else section
         for section in given
     )
-
-
-def _cell_masses(mesh: Mesh, given: tuple[Section, ...]) -> tuple[CellMass, ...]:
-    return tuple(_cell_mass(mesh, section) for section in given)
 
 
 def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
@@ -446,5 +430,5 @@ def _check_thickness(mesh: Mesh, section: Section, thickness: float) -> None:
             f"wall thickness {thickness:g} is {thickness / width:.0f} times the size of its elements, "
             f"{width:g}: check that both are in the same unit of length; if they are, use solid elements",
             SuppleWarning,
-            stacklevel=5,
+            stacklevel=4,
         )
