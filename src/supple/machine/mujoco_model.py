@@ -7,11 +7,12 @@ of mjModel in MuJoCo's API reference.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,11 @@ _TURNED = 1e-3
 """Largest difference of rotations at which a weld counts as closed, as for joints at the start of a run."""
 _PLACE = 1e-6
 """Largest distance of an interface from its joint, relative to the largest coordinate of the joints."""
+
+
+class _Ends(TypedDict):
+    first: At
+    second: At
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,23 +114,19 @@ def read_mujoco(
                         in the file, or whose interfaces are not at its joints
     """
     model, data = _compiled(source)
-    reader = _Reader(model, data)
+    reader = _Reader(model, data, limits="limits" not in leave_out)
     _check_left_out(reader, set(leave_out))
-    groups = reader.groups()
-    joints: list[Joint] = []
-    loads: list[Load] = []
     for body in range(1, model.nbody):
-        own = list(range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body]))
-        if own:
-            parent = reader.weldid[model.body_parentid[body]]
-            reader.connect(groups, parent, body, own, joints, loads, limits="limits" not in leave_out)
-    reader.close_loops(groups, joints)
-    placed = [_placed(group, (bodies or {}).get(group.name)) for group in groups.values()]
-    unknown = sorted(set(bodies or {}) - {group.name for group in groups.values()})
+        reader.connect(body)
+    reader.close_loops()
+    groups = reader.groups.values()
+    placed = [_placed(group, (bodies or {}).get(group.name)) for group in groups]
+    unknown = sorted(set(bodies or {}) - {group.name for group in groups})
     if unknown:
-        known = ", ".join(f"'{group.name}'" for group in groups.values())
+        known = ", ".join(f"'{group.name}'" for group in groups)
         raise ModelError(f"{reader.name}: no body '{unknown[0]}' to replace; the machine has {known}")
-    return System(bodies=placed, joints=joints, loads=loads, gravity=np.array(model.opt.gravity))
+    gravity = np.array(model.opt.gravity)
+    return System(bodies=placed, joints=reader.joints, loads=reader.loads, gravity=gravity)
 
 
 def _compiled(source: str | Path) -> tuple[Any, Any]:
@@ -200,10 +202,15 @@ def _check_left_out(reader: _Reader, allowed: set[str]) -> None:
 
 
 class _Reader:
-    """The compiled model, in the configuration of the file."""
+    """The compiled model, in the configuration of the file, and the joints and loads read so far.
 
-    def __init__(self, model: Any, data: Any) -> None:
-        self.model, self.data = model, data
+    limits : whether limits of joints become stops
+    """
+
+    def __init__(self, model: Any, data: Any, *, limits: bool) -> None:
+        self.model, self.data, self.limits = model, data, limits
+        self.joints: list[Joint] = []
+        self.loads: list[Load] = []
         self.name = bytes(model.names).split(b"\0")[0].decode() or "the machine"
         # Bodies of motion capture stand still unless a program moves them.
         weldid = np.array(model.body_weldid)
@@ -218,6 +225,7 @@ class _Reader:
         """The name of a body; a name with its number for an unnamed body."""
         return self.label(self.model.name_bodyadr, body, f"body_{body}")
 
+    @cached_property
     def groups(self) -> dict[int, _Group]:
         """Groups of welded bodies, by the number of their first body, without bodies welded to the ground."""
         model, data = self.model, self.data
@@ -245,65 +253,53 @@ class _Reader:
             )
         return result
 
-    def end(self, groups: dict[int, _Group], body: int, name: str, point: Array) -> At:
+    def end(self, body: int, name: str, point: Array) -> At:
         """Add an interface to a body and return its end; the ground for a body welded to the ground."""
-        group = groups.get(int(self.weldid[body]))
+        group = self.groups.get(int(self.weldid[body]))
         if group is None:
             return GROUND
         group.points[name] = group.local(point)
         return At(group.name, name)
 
-    def connect(
-        self,
-        groups: dict[int, _Group],
-        parent: int,
-        body: int,
-        own: Sequence[int],
-        joints: list[Joint],
-        loads: list[Load],
-        *,
-        limits: bool,
-    ) -> None:
+    def connect(self, body: int) -> None:
         """Append the joint between a body and its parent, and the springs, dampers and stops of the joint."""
         model, data = self.model, self.data
+        own = list(range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body]))
         kinds = [int(model.jnt_type[j]) for j in own]
         forces = model.jnt_stiffness[own].any() or model.dof_damping[model.jnt_dofadr[own]].any()
-        if kinds == [_FREE] and not forces:
+        if not kinds or (kinds == [_FREE] and not forces):
             return
         name = self.label(model.name_jntadr, own[0], f"{self.body_name(body)}_joint")
         anchors, axes = data.xanchor[own], data.xaxis[own]
-        ends = {
-            "first": self.end(groups, parent, name, anchors[0]),
-            "second": self.end(groups, body, name, anchors[0]),
-        }
-        if kinds == [_FREE]:
-            loads += self._in_joint(own[0], ends, is_universal=False, limits=limits)
-            return
+        first, second = (self.end(end, name, anchors[0]) for end in (model.body_parentid[body], body))
+        ends: _Ends = {"first": first, "second": second}
+        joint: Joint | None = None
         axis = tuple(axes[0].tolist())
         parallel = len(own) == 2 and np.linalg.norm(np.cross(axes[0], axes[1])) < _PARALLEL
         across = len(own) == 2 and abs(axes[0] @ axes[1]) < _PARALLEL
         together = len(own) == 2 and np.linalg.norm(np.cross(anchors[1] - anchors[0], axes[1])) < _PARALLEL
         if kinds == [_HINGE]:
-            joints.append(Revolute(**ends, axis=axis, name=name))
+            joint = Revolute(**ends, axis=axis, name=name)
         elif kinds == [_SLIDE]:
-            joints.append(Prismatic(**ends, axis=axis, name=name))
+            joint = Prismatic(**ends, axis=axis, name=name)
         elif kinds == [_BALL]:
-            joints.append(Ball(**ends, name=name))
+            joint = Ball(**ends, name=name)
         elif sorted(kinds) == [_SLIDE, _HINGE] and parallel and together:
-            joints.append(Cylindrical(**ends, axis=axis, name=name))
+            joint = Cylindrical(**ends, axis=axis, name=name)
         elif kinds == [_HINGE, _HINGE] and across and np.allclose(anchors[0], anchors[1]):
-            joints.append(Universal(**ends, first_axis=axis, second_axis=tuple(axes[1].tolist()), name=name))
-        else:
+            joint = Universal(**ends, first_axis=axis, second_axis=tuple(axes[1].tolist()), name=name)
+        elif kinds != [_FREE]:
             words = {_FREE: "free", _BALL: "ball", _SLIDE: "slide", _HINGE: "hinge"}
             raise ModelError(
                 f"{self.name}: body '{self.body_name(body)}' has the joints "
                 f"{' and '.join(words[kind] for kind in kinds)}, which no single joint combines; put a body "
                 "of small mass between them"
             )
+        self.joints += [] if joint is None else [joint]
         for j in own:
-            loads += self._in_joint(j, ends, is_universal=isinstance(joints[-1], Universal), limits=limits)
+            self.loads += self._in_joint(j, ends, is_universal=isinstance(joint, Universal))
 
-    def _in_joint(self, j: int, ends: dict[str, At], *, is_universal: bool, limits: bool) -> list[Load]:
+    def _in_joint(self, j: int, ends: _Ends, *, is_universal: bool) -> list[Load]:
         """Spring, damper and stop of a joint; ModelError for those that are not read."""
         model = self.model
         kind, dof = int(model.jnt_type[j]), int(model.jnt_dofadr[j])
@@ -312,7 +308,7 @@ class _Reader:
         start = float(model.qpos0[model.jnt_qposadr[j]])
         rest = float(model.qpos_spring[model.jnt_qposadr[j]]) - start
         found: list[Load] = []
-        is_limited = bool(model.jnt_limited[j]) and limits
+        is_limited = bool(model.jnt_limited[j]) and self.limits
         if (is_universal or kind == _BALL) and is_limited:
             raise ModelError(
                 f"{self.name}: the limits of ball and universal joints are not read; omit them by "
@@ -326,13 +322,10 @@ class _Reader:
         if kind in (_BALL, _FREE) and (k or c):
             along = float(kind == _FREE)
             stiffness, damping = [along * k] * 3 + [k] * 3, [along * c] * 3 + [0.0] * 3
-            first, second = ends["first"], ends["second"]
-            found.append(Bushing(first=first, second=second, stiffness=stiffness, damping=damping))
+            found.append(Bushing(**ends, stiffness=stiffness, damping=damping))
             # A bushing damps the rate of the rotation vector, MuJoCo the angular velocity.
             axes = np.eye(3).tolist() if c else []
-            found += [
-                TorsionSpringDamper(first=first, second=second, axis=tuple(each), damping=c) for each in axes
-            ]
+            found += [TorsionSpringDamper(**ends, axis=tuple(each), damping=c) for each in axes]
         elif kind == _HINGE and (k or c):
             if k and abs(rest) >= np.pi and not is_limited:
                 raise ModelError(
@@ -342,16 +335,9 @@ class _Reader:
                 )
             found.append(TorsionSpringDamper(**ends, axis=axis, stiffness=k, damping=c, rest_angle=rest))
         elif kind == _SLIDE and (k or c):
-            found.append(
-                Bushing(
-                    first=ends["first"],
-                    second=ends["second"],
-                    axis=axis,
-                    offset=(0.0, 0.0, rest),
-                    stiffness=(0, 0, k, 0, 0, 0),
-                    damping=(0, 0, c, 0, 0, 0),
-                )
-            )
+            stiffness, damping = (0, 0, k, 0, 0, 0), (0, 0, c, 0, 0, 0)
+            offset = (0.0, 0.0, rest)
+            found.append(Bushing(**ends, axis=axis, offset=offset, stiffness=stiffness, damping=damping))
         if is_limited:
             lower, upper = (float(value) - start for value in model.jnt_range[j])
             if kind == _HINGE and not -np.pi < lower <= upper < np.pi:
@@ -379,8 +365,8 @@ class _Reader:
         w, x, y, z = self.model.eq_data[number][6:10]
         return Rotation.from_quat([x, y, z, w]).as_matrix() if any((w, x, y, z)) else np.eye(3)
 
-    def close_loops(self, groups: dict[int, _Group], joints: list[Joint]) -> None:
-        """Append joints for the active connect and weld constraints of the file to `joints`."""
+    def close_loops(self) -> None:
+        """Append joints for the active connect and weld constraints of the file."""
         model, data = self.model, self.data
         for number in range(model.neq):
             kind = int(model.eq_type[number])
@@ -400,7 +386,7 @@ class _Reader:
                     for body, place in zip(bodies, at, strict=True)
                 ]
             name = self.label(model.name_eqadr, number, f"loop_{number + 1}")
-            if any(joint.name == name for joint in joints):  # MuJoCo's names differ within one kind only
+            if any(joint.name == name for joint in self.joints):  # MuJoCo's names differ within one kind only
                 name = f"{name}_loop"
             apart = held - axes[0].reshape(3, 3).T @ axes[1].reshape(3, 3)
             if kind == _WELD and np.abs(apart).max() > _TURNED:
@@ -410,9 +396,9 @@ class _Reader:
                 )
             if len({int(self.weldid[body]) for body in bodies}) == 1:  # within the ground or a welded group
                 continue
-            ends = [self.end(groups, body, name, point) for body, point in zip(bodies, points, strict=True)]
+            ends = [self.end(body, name, point) for body, point in zip(bodies, points, strict=True)]
             first, second = ends if ends[1] != GROUND else ends[::-1]
-            joints.append((Ball if kind == _CONNECT else Fixed)(first=first, second=second, name=name))
+            self.joints.append((Ball if kind == _CONNECT else Fixed)(first=first, second=second, name=name))
 
 
 def _placed(group: _Group, other: Any) -> Placed:
