@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from supple.body.rigid_elimination import rigid_elimination
+from supple.body.coordinates import rigid_elimination
 
 NODES = np.random.default_rng(0).standard_normal((9, 3))
 SETS = [(np.array([7, 2, 3]), np.array([1.0, 2, 3])), (np.array([0, 5, 8]), np.zeros(3))]

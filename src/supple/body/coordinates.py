@@ -19,10 +19,10 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from supple.algebra import factorize_symmetric
+from supple.algebra.narrow_indices import narrow_indices
 from supple.body.checks import FREEDOM_NAMES
 from supple.body.constraints import eliminate, together
 from supple.body.massless_motion import StaticallyTied, massless_motions, tie_statically
-from supple.body.rigid_elimination import rigid_elimination
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.body.second_order_tie import RigidSet
 from supple.errors import AccuracyError, ModelError
@@ -140,6 +140,37 @@ def rigid_sets(
             )
     order = [*first[first >= k], *first[first < k][np.argsort(first[first < k])]]
     return tuple((np.flatnonzero(of_nodes == of_given[each]), given[each][2]) for each in order)
+
+
+def rigid_elimination(
+    nodes: FloatArray, dofs_per_node: int, rigid_sets: Sequence[RigidSet]
+) -> sparse.csc_array:
+    """The sparse expansion T, u_nodal = T q, with six coordinates for each rigid set.
+
+        q = (freedoms of the nodes outside the sets in nodal order, then (u_v, theta_v) of each set)
+        u_a = u_v + theta_v x (x_a - x_v),   theta_a = theta_v
+
+    nodes      : (N, 3)
+    rigid_sets : (node numbers (k,), position of the virtual node (3,)) each; no node in two of them
+    Returns csc (N * dofs_per_node, n): n = (free nodes) * dofs_per_node + 6 * (sets).
+    Source: Wu et al. 2019, Appendix B.
+    """
+    free = np.ones(len(nodes), dtype=bool)
+    for node_ids, _ in rigid_sets:
+        free[node_ids] = False
+    kept = np.flatnonzero(np.repeat(free, dofs_per_node))
+    rows, columns, entries = [kept], [np.arange(kept.size)], [np.ones(kept.size)]
+    n = kept.size
+    for node_ids, position in rigid_sets:
+        block = nodal_rigid_modes(nodes[node_ids] - position, dofs_per_node)
+        dofs = (node_ids[:, None] * dofs_per_node + np.arange(dofs_per_node)).ravel()
+        row, column = np.nonzero(block)
+        rows.append(dofs[row])
+        columns.append(n + column)
+        entries.append(block[row, column])
+        n += 6
+    triplets = (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns)))
+    return narrow_indices(sparse.csc_array(triplets, shape=(len(nodes) * dofs_per_node, n)))
 
 
 def coordinates(

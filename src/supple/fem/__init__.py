@@ -10,7 +10,6 @@ from supple.fem.beam_section import *
 from supple.fem.mass import *
 from supple.fem.material import *
 from supple.fem.model import *
-from supple.fem.nodal_rotation import *
 from supple.fem.quadratic_strain import *
 from supple.fem.section import *
 from supple.fem.shear_share import *

@@ -10,7 +10,7 @@ from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
+from scipy.sparse import coo_array, csc_array
 
 from supple.arguments import check_instance
 from supple.errors import ModelError, SuppleWarning
@@ -28,7 +28,7 @@ from supple.fem.section import Section, sections
 from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.shell_triangle import shell_triangle
-from supple.fem.solid_element import SOLID_ELEMENTS, solid_element, solid_mass, solid_strain
+from supple.fem.solid_element import SOLID_ELEMENTS, solid_element, solid_mass, solid_rotation, solid_strain
 from supple.mesh import CellType, DividedMesh, Mesh, MeshPart
 from supple.mesh.facet_curvature import facet_curvature
 
@@ -37,6 +37,7 @@ __all__ = [
     "cell_masses",
     "finite_element_model",
     "lumped_mass",
+    "nodal_rotation_operator",
     "node_masses",
     "parts_of_model",
     "refuse_attached",
@@ -409,6 +410,37 @@ def nodal_freedoms(
     """
     own = np.arange(dofs_per_node if first is None else first)
     return (nodes[:, :, None] * dofs_per_node + own).reshape(len(nodes), -1)
+
+
+def nodal_rotation_operator(model: FiniteElementModel) -> csc_array:
+    """Operator (3 P, n) that gives the rotation vector at P points from the nodal freedoms.
+
+    Shells, beams and rods with torsion: the rotational freedoms of their nodes. Solids: half the curl of u at
+    the centre of each cell. Other rods: none.
+    """
+    d = model.dofs_per_node
+    rotation, row, column = [np.empty(0)], [np.empty(0, int)], [np.empty(0, int)]
+    n_rows = 0
+    if d == 6:
+        sheets = [section.nodes(model.mesh) for section in model.sections if section.turns_nodes()]
+        turning = (
+            np.unique(np.concatenate([nodes.ravel() for nodes in sheets])) if sheets else np.empty(0, int)
+        )
+        n_rows = 3 * len(turning)
+        rotation, row = [np.ones(n_rows)], [np.arange(n_rows)]
+        column = [(6 * turning[:, None] + np.arange(3, 6)).ravel()]
+    for section in model.sections:
+        if section.cell_type not in SOLID_ELEMENTS:
+            continue
+        values = solid_rotation(SOLID_ELEMENTS[section.cell_type], section.corners(model.mesh))
+        dofs = nodal_freedoms(section.nodes(model.mesh), d, 3)
+        rows = n_rows + np.arange(values.shape[0] * 3).reshape(-1, 3)
+        rotation.append(values.ravel())
+        row.append(np.broadcast_to(rows[:, :, None], values.shape).ravel())
+        column.append(np.broadcast_to(dofs[:, None], values.shape).ravel())
+        n_rows += rows.size
+    entries = (np.concatenate(rotation), (np.concatenate(row), np.concatenate(column)))
+    return coo_array(entries, shape=(n_rows, model.n_dofs)).tocsc()
 
 
 def _check_thickness(mesh: Mesh, section: Section, thickness: float) -> None:

@@ -10,8 +10,7 @@ import numpy as np
 from supple.algebra import read_only
 from supple.arguments import check_number, check_sequence
 from supple.errors import ModelError
-from supple.machine.placement import space_vector
-from supple.machine.system import System
+from supple.machine.system import System, space_vector
 
 __all__ = ["Spin"]
 

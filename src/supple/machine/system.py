@@ -18,14 +18,12 @@ from supple.machine.contacts import Contact, Support, SurfaceContact
 from supple.machine.control.controller import Controller, SampledController
 from supple.machine.control.controller_readings import EndReading
 from supple.machine.ends import GROUND, At
-from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import ForceElement
+from supple.machine.forces.force_element import AxialElement, ForceElement
 from supple.machine.forces.joint_friction import JointFriction
 from supple.machine.joints.joint import Joint
 from supple.machine.laws.time_law import check_law_shape
 from supple.machine.nodal_loads.base_acceleration import BaseAcceleration
 from supple.machine.nodal_loads.nodal_load import NodalLoad
-from supple.machine.placement import rotation_matrix, space_vector
 from supple.machine.ties.tie import Tie
 from supple.mesh import Mesh
 from supple.summary import N_LINES, Summarized, Summary, listed, place_text
@@ -59,6 +57,37 @@ class AssembledPose(NamedTuple):
     """(3,) global"""
     rotation: np.ndarray
     """(3, 3) body to global"""
+
+
+def space_vector(what: str, value: object) -> np.ndarray:
+    """The value as an array (3,), read-only.
+
+    Raises ModelError unless it consists of three finite numbers; `what` names the quantity in the message.
+    """
+    check_numbers(what, value)
+    array = np.array(value, dtype=float)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ModelError(f"{what} must be three finite numbers, got {value}")
+    array.setflags(write=False)
+    return array
+
+
+def rotation_matrix(what: str, value: object) -> np.ndarray:
+    """Rotation matrix (3, 3), read-only, from a rotation vector (3,), rad, or a matrix.
+
+    Raises ModelError for another shape, or a matrix that is not orthonormal or has a negative determinant.
+    """
+    check_numbers(what, value)
+    matrix = np.array(value, dtype=float)
+    if matrix.shape == (3,):
+        space_vector(what, matrix)
+        matrix = Rotation.from_rotvec(matrix).as_matrix()
+    if matrix.shape != (3, 3) or not np.allclose(matrix.T @ matrix, np.eye(3), atol=1e-9):
+        raise ModelError(f"{what} must be a rotation vector (3,) or an orthonormal matrix (3, 3)")
+    if np.linalg.det(matrix) < 0:
+        raise ModelError(f"{what} mirrors the body (determinant -1): swap two columns")
+    matrix.setflags(write=False)
+    return matrix
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -16,7 +16,7 @@ from supple.reduction.locking import locking, warn_of_locking
 from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface
 from supple.reduction.reduction_basis import ReductionBasis
-from supple.reduction.stopwatch import timed
+from supple.reduction.reduction_report import timed
 from supple.reduction.tensor_memory import require_tensor_memory
 from supple.reduction.tensors import InternalForceTensors, strain_products
 

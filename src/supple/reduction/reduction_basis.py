@@ -12,8 +12,7 @@ from supple.errors import AccuracyError
 from supple.reduction.bases.linear_basis import LinearBasisRecipe, rayleigh_ritz
 from supple.reduction.derivatives.compression import CompressedDerivatives
 from supple.reduction.derivatives.derivative_columns import DerivativeChoice
-from supple.reduction.reduction_report import ReductionReport
-from supple.reduction.stopwatch import timed
+from supple.reduction.reduction_report import ReductionReport, timed
 
 __all__ = ["ReductionBasis", "reduction_basis"]
 

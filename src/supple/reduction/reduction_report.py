@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,3 +97,11 @@ def _largest(shares: Array) -> float:
 def in_percent(share: float) -> str:
     """A share as text in per cent with two digits, for tables and warnings; 'none' below 1e-4."""
     return f"{100 * share:.2g} %" if share >= 1e-4 else "none"
+
+
+@contextmanager
+def timed(seconds: dict[str, float], step: str) -> Iterator[None]:
+    """Record the wall time of the block in `seconds[step]`."""
+    start = perf_counter()
+    yield
+    seconds[step] = perf_counter() - start

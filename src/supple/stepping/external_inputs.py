@@ -12,8 +12,8 @@ import numpy as np
 from supple.errors import ModelError, SuppleError
 from supple.machine import Joint, System
 from supple.machine.laws.constant import Constant
+from supple.machine.laws.law_numbers import UnboundedLaw
 from supple.machine.laws.time_law import as_time_law
-from supple.machine.laws.unbounded_law import UnboundedLaw
 from supple.quantities import ElementEnergySensor, Quantity, SpringForceSensor
 from supple.stepping.variables import Variable
 

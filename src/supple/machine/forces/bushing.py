@@ -11,7 +11,7 @@ import numpy as np
 
 from supple.algebra.rotation import rotation_log, rotation_right_jacobian
 from supple.errors import ModelError
-from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import force_pair
 from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Parameters, Pose, Wrenches

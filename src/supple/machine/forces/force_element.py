@@ -1,4 +1,4 @@
-"""Base of all forces between two markers: ends, parameters, and wrenches on the ends."""
+"""Bases of all forces between two markers: ends, parameters, and wrenches on the ends; axis; anchor."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from supple.arguments import check_fields, check_ranges
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, At, as_end
+from supple.machine.joints.joint import axes_along
 from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_kind
 from supple.machine.pose import Parameters, Pose, Wrenches
 
@@ -92,6 +93,32 @@ class ForceElement(ABC):
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """Recoverable energy stored in the element; zero unless a subclass defines it."""
         return 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxialElement(ForceElement):
+    """A force element with an axis fixed to its first end; subclasses define its force.
+
+    axis : direction in the initial configuration, global axes, of any length
+    Raises ModelError for an axis without a direction.
+    """
+
+    axis: tuple[float, float, float]
+
+    blocked_by: ClassVar[tuple[str, ...]] = ()
+    """Names in `Joint.rows`, without the axis, of equations that prevent the element's motion.
+
+    A `System` with such a joint between the same ends is an error. Empty: no check.
+    """
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        axes_along(self.axis)  # raises for a vector without direction
+
+    @property
+    def initial_axes(self) -> np.ndarray:
+        """Z along the axis."""
+        return axes_along(self.axis)
 
 
 @dataclass(frozen=True, kw_only=True)

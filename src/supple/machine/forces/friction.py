@@ -11,7 +11,7 @@ import numpy as np
 
 from supple.arguments import NotNegative, Positive, check_fields
 from supple.errors import ModelError
-from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
 from supple.machine.laws.constant import Constant
 from supple.machine.pose import Parameters, Pose, Wrenches

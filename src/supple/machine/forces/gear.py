@@ -11,8 +11,7 @@ import numpy as np
 
 from supple.arguments import NotNegative, Positive
 from supple.errors import ModelError
-from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import AnchoredElement
+from supple.machine.forces.force_element import AnchoredElement, AxialElement
 from supple.machine.forces.relative_motion import wrapped
 from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches

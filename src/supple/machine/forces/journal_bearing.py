@@ -10,8 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.errors import ModelError
-from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.characteristic import curve_at
+from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair
 from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Parameters, Pose, Wrenches

@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.arguments import NotNegative, Positive
 from supple.errors import ModelError
-from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, wrapped
 from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Parameters, Pose, Wrenches

@@ -11,7 +11,7 @@ import numpy as np
 
 from supple.arguments import NotNegative
 from supple.errors import ModelError
-from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
 from supple.machine.laws.time_law import as_time_law, check_law_shape
 from supple.machine.laws.with_rate import WithRate

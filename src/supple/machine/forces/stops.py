@@ -10,8 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.errors import ModelError
-from supple.machine.forces.axial_element import AxialElement
-from supple.machine.forces.force_element import AnchoredElement
+from supple.machine.forces.force_element import AnchoredElement, AxialElement
 from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches

@@ -9,8 +9,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.characteristic import Surface, surface_at
+from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
 from supple.machine.pose import Parameters, Pose, Wrenches
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import jax
 
 from supple.arguments import NotNegative
-from supple.machine.forces.axial_element import AxialElement
+from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, moment_pair
 from supple.machine.pose import Parameters, Pose, Wrenches
 

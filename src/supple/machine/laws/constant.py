@@ -11,8 +11,7 @@ from jax.typing import ArrayLike
 
 from supple.algebra import read_only
 from supple.errors import ModelError
-from supple.machine.laws.law_numbers import are_numbers
-from supple.machine.laws.unbounded_law import SmoothLaw
+from supple.machine.laws.law_numbers import SmoothLaw, are_numbers
 
 __all__ = ["Constant"]
 

@@ -8,8 +8,7 @@ from typing import Any
 import jax
 from jax.typing import ArrayLike
 
-from supple.machine.laws.law_numbers import are_numbers, finite
-from supple.machine.laws.unbounded_law import SmoothLaw
+from supple.machine.laws.law_numbers import SmoothLaw, are_numbers, finite
 
 __all__ = ["ConstantRate"]
 

@@ -1,4 +1,4 @@
-"""Numbers of a law of time: checked at construction, except when JAX traces them."""
+"""Bases of laws of time, and their numbers: checked at construction, except when JAX traces them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,15 @@ from supple.algebra import read_only
 from supple.arguments import check_number, check_numbers, given
 from supple.errors import ArgumentError, ModelError
 
-__all__ = ["OfRows", "are_numbers", "finite", "finite_and_positive", "increasing_rows"]
+__all__ = [
+    "OfRows",
+    "SmoothLaw",
+    "UnboundedLaw",
+    "are_numbers",
+    "finite",
+    "finite_and_positive",
+    "increasing_rows",
+]
 
 
 def are_numbers(*values: Any) -> bool:
@@ -58,6 +66,32 @@ def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
         row = int(np.argmax(np.diff(times) <= 0)) + 1
         raise ModelError(f"times of a table must increase: row {row} has {times[row]} after {times[row - 1]}")
     return times, values
+
+
+class UnboundedLaw:
+    """Base of laws that are defined from minus to plus infinity."""
+
+    @property
+    def begin(self) -> float:
+        """First time at which the law is defined."""
+        return float("-inf")
+
+    @property
+    def end(self) -> float:
+        """Last time at which the law is defined."""
+        return float("inf")
+
+
+class SmoothLaw(UnboundedLaw):
+    """Base of laws without kinks, and without a time scale unless they define one."""
+
+    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - no kinks
+        """An empty array: the law has no kinks."""
+        return np.zeros(0)
+
+    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002
+        """Infinity: the law has no time scale."""
+        return float("inf")
 
 
 class OfRows:

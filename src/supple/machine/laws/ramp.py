@@ -11,8 +11,7 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from supple.machine.laws.instants import times_within
-from supple.machine.laws.law_numbers import are_numbers, finite, finite_and_positive
-from supple.machine.laws.unbounded_law import UnboundedLaw
+from supple.machine.laws.law_numbers import UnboundedLaw, are_numbers, finite, finite_and_positive
 
 __all__ = ["Ramp"]
 

@@ -10,8 +10,7 @@ import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 
-from supple.machine.laws.law_numbers import are_numbers, finite
-from supple.machine.laws.unbounded_law import SmoothLaw
+from supple.machine.laws.law_numbers import SmoothLaw, are_numbers, finite
 
 __all__ = ["Sine"]
 

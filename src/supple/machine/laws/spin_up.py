@@ -13,8 +13,7 @@ from jax.typing import ArrayLike
 from supple.arguments import check_number
 from supple.errors import ModelError
 from supple.machine.laws.instants import times_within
-from supple.machine.laws.law_numbers import are_numbers
-from supple.machine.laws.unbounded_law import UnboundedLaw
+from supple.machine.laws.law_numbers import UnboundedLaw, are_numbers
 
 __all__ = ["SpinUp"]
 

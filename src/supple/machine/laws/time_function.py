@@ -10,7 +10,7 @@ import jax
 from jax.typing import ArrayLike
 
 from supple.errors import ModelError, SuppleError
-from supple.machine.laws.unbounded_law import UnboundedLaw
+from supple.machine.laws.law_numbers import UnboundedLaw
 from supple.value_content import UserFunction
 
 __all__ = ["TimeFunction"]

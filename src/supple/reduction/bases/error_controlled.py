@@ -23,7 +23,7 @@ from supple.reduction.eigenvalues.eigenvalue_error import (
     SharperBound,
 )
 from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, SearchStep
-from supple.reduction.stopwatch import timed
+from supple.reduction.reduction_report import timed
 
 __all__ = ["ErrorControlled", "ErrorControlledModes", "error_controlled_modes"]
 
