@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from supple.equations.control_linearization import LinearControl
+from supple.equations.steady_motion import LinearEquations
 from supple.integrate import Solution, Statistics
 from supple.linearization.periodic import Periodic
 from supple.machine import Spin, System
@@ -18,6 +20,7 @@ from supple.summary import Summarized, Summary, listed
 if TYPE_CHECKING:
     from supple.linearization.sparse_machine import SparseMachine
     from supple.linearization.standing_error import StandingTurn
+    from supple.methods.floating.full.linear_equations import SparseEquations
     from supple.simulation.full_rest import EquilibriumError
 
 __all__ = ["LinearMachine"]
@@ -40,7 +43,7 @@ class FullMachine:
     """
 
     machine: SparseMachine
-    expansion: Any
+    expansion: csr_array
     bodies: Mapping[str, slice]
     rest: Mapping[str, EquilibriumError]
     standing: StandingTurn | None = None
@@ -86,6 +89,29 @@ class LinearMachine(Summarized):
     is_in_space: bool = False
     periodic: Periodic | None = None
 
+    @classmethod
+    def along(
+        cls,
+        basis: Array,
+        equations: LinearEquations | SparseEquations,
+        system: System,
+        spin: Spin | None,
+        time: float,
+    ) -> LinearMachine:
+        """The machine with the equations of `p`, restricted to motions `p = N y`, N (n, k)."""
+        mass = basis.T @ (equations.mass @ basis)
+        return cls(
+            system=system,
+            spin=spin,
+            time=time,
+            mass=(mass + mass.T) / 2,
+            damping=basis.T @ equations.damped(basis),
+            stiffness=basis.T @ (equations.stiffness @ basis),
+            basis=basis,
+            full_mass=equations.mass,
+            control=equations.control.along(basis),
+        )
+
     def summary(self) -> Summary:
         """Bodies, spin, and the axes and kind of the equations."""
         rows = [
@@ -111,23 +137,31 @@ class LinearMachine(Summarized):
         """Number k of independent coordinates."""
         return len(self.mass)
 
+    @property
+    def slices(self) -> tuple[slice, ...]:
+        """Positions of the motions of each body among `p`."""
+        ends = np.cumsum([6 + placed.body.n_coordinates for placed in self.system.bodies]).tolist()
+        return tuple(map(slice, [0, *ends[:-1]], ends))
+
     def motion_near(self, displacements: Array, rates: Array, times: Array | None = None) -> Solution:
         """Motion of the bodies for small p (t, n) about the equilibrium.
 
         The velocities are those for the rates p' (t, n) at p = 0.
         """
-        bodies, first = {}, 0
-        for placed in self.system.bodies:
-            after = first + 6 + placed.body.n_coordinates
+        bodies = {}
+        for placed, own in zip(self.system.bodies, self.slices, strict=True):
             pose = placed.position, placed.rotation, placed.coordinates
-            own, first = slice(first, after), after
             bodies[placed.body.name] = placed.body.motion_near(*pose, displacements[:, own], rates[:, own])
         return Solution(np.zeros(len(rates)) if times is None else times, bodies, {}, Statistics())
+
+    def moving_at(self, rates: Array) -> Solution:
+        """The equilibrium t times, with rates p' (t, n)."""
+        return self.motion_near(np.zeros_like(rates), rates)
 
     @cached_property
     def unit_rates(self) -> Solution:
         """The equilibrium k times, each with a unit rate of one independent coordinate."""
-        return self.motion_near(np.zeros_like(self.basis.T), self.basis.T)
+        return self.moving_at(self.basis.T)
 
     def coordinates_of(self, motions: np.ndarray) -> np.ndarray:
         """Independent coordinates (k, ..) of motions (n, ..); the nearest if the motions violate joints."""

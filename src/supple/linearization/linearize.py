@@ -4,29 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse import block_diag, csr_array, eye_array
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.equations import StaticSearch
 from supple.equations.control_linearization import LinearControl
-from supple.equations.steady_motion import (
-    LinearEquations,
-)
 from supple.errors import ModelError
-from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
+from supple.linearization.linear_machine import FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.standing_axes import in_standing_axes
-from supple.linearization.standing_error import StandingTurn
+from supple.linearization.standing_error import StandingTurn, coordinates_of_bodies, expansion
 from supple.machine import JointFriction, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equilibrium import warn_of_rest
 from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
 from supple.simulation.rest_limits import warn_of_rest_limits
+from supple.simulation.rest_stability import free_motions
 from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
 from supple.simulation.turned_machine import (
     CONSTANT,
@@ -137,22 +132,22 @@ def _linearized(
         refuse_other_speeds(found, time, spin)
         refuse_turning_bushings(found, spin)
     equations = found.equations.linear_equations(found.state, time)
-    sparse = None
+    placed, sparse = placed_at_rest(found), None
     if isinstance(equations, SparseEquations):
-        sparse = SparseMachine(placed_at_rest(found), spin, time, equations)
+        sparse = SparseMachine(placed, spin, time, equations)
         # Whether the equations vary with the angle is seen in the slow motions.
         basis = sparse.slow.motions
     else:
-        basis = _free_motions(equations)
+        basis = free_motions(equations)
         if not basis.shape[1]:
             raise ModelError(
                 "the joints leave the machine no free motion, and its bodies do not deform: it has no "
                 "linear equations and no modes. Leave a motion free (a joint with more freedom, or a "
                 "spring in place of a joint), or give a body that deforms"
             )
-    projected = _Projected.of(equations, basis)
+    linear = LinearMachine.along(basis, equations, placed, spin, time)
     if spin is not None and spin.rate:
-        what, change = _change(found, projected, basis, time, spin)
+        what, change = _change(found, linear, spin)
         if change > CONSTANT or is_asked_in_space:
             refusal = _refusal(what, change) if change > CONSTANT else _NOT_IN_SPACE
             if sparse is not None:
@@ -163,18 +158,7 @@ def _linearized(
             return replace(standing, full=_full_machine(found, known, time, spin, search, is_in_space=True))
     if sparse is not None:
         return sparse
-    return LinearMachine(
-        system=placed_at_rest(found),
-        spin=spin,
-        time=time,
-        mass=(projected.mass + projected.mass.T) / 2,
-        damping=projected.damping,
-        stiffness=projected.stiffness,
-        basis=basis,
-        full_mass=equations.mass,
-        control=projected.control,
-        full=_full_machine(found, known, time, spin, search),
-    )
+    return replace(linear, full=_full_machine(found, known, time, spin, search))
 
 
 def _full_machine(
@@ -199,62 +183,32 @@ def _full_machine(
     if full.found is None:
         return None
     equations = full.found.equations.linear_equations(full.found.state, time)
-    blocks, bodies = [], {}
-    for placed, part in zip(found.system.bodies, full.found.equations.slices, strict=True):
-        name = placed.body.name
-        own: Any = eye_array(part.stop - part.start)
-        if name in full.bases:
-            own = block_diag([np.eye(6), full.bases[name].vectors])
-            bodies[name] = slice(part.start + 6, part.stop)
-        blocks.append(own)
+    vectors = {name: basis.vectors for name, basis in full.bases.items()}
     machine = SparseMachine(placed_at_rest(full.found), spin, time, equations)
     standing = None
     if is_in_space and spin is not None:
-        vectors = {name: basis.vectors for name, basis in full.bases.items()}
         own = {name: body for name, body in fulls.items() if name in vectors}
         standing = StandingTurn(full.found, time, spin, own, vectors)
-    return FullMachine(machine, csr_array(block_diag(blocks)), bodies, errors, standing)
+    parts = coordinates_of_bodies(full.found, vectors)
+    return FullMachine(machine, expansion(full.found, vectors), parts, errors, standing)
 
 
-class _Projected(NamedTuple):
-    """Matrices of the equations in independent coordinates."""
-
-    mass: Array
-    damping: Array
-    stiffness: Array
-    control: LinearControl
-
-    @classmethod
-    def of(cls, equations: LinearEquations | SparseEquations, basis: Array) -> _Projected:
-        """`N^T M N`, `N^T C N`, `N^T K N` and the terms of controllers, for a basis N (n, k)."""
-        images = equations.mass @ basis, equations.damped(basis), equations.stiffness @ basis
-        mass, damping, stiffness = (basis.T @ each for each in images)
-        return cls(mass, damping, stiffness, equations.control.along(basis))
-
-
-def _free_motions(equations: LinearEquations) -> Array:
-    """Basis `N` (n, k) of the null space of `G`; each column has unit kinetic energy."""
-    size = 1 / np.sqrt(np.diag(equations.mass))
-    return size[:, None] * scipy.linalg.null_space(equations.constraint * size)
-
-
-def _change(
-    found: RestingState, projected: _Projected, basis: Array, time: float, spin: Spin
-) -> tuple[str, float]:
+def _change(found: RestingState, linear: LinearMachine, spin: Spin) -> tuple[str, float]:
     """The quantity that varies most as the machine rotates, and its variation."""
-    equations, unbalanced = equations_turned_on(found, time, spin, _TURNED_ON)
-    again, jacobian, masses = _Projected.of(equations, basis), equations.constraint, equations.mass.diagonal()
-    size = np.sqrt(np.abs(np.diag(projected.stiffness)) + spin.rate**2 * np.diag(projected.mass))
+    equations, unbalanced = equations_turned_on(found, linear.time, spin, _TURNED_ON)
+    basis, jacobian = linear.basis, equations.constraint
+    again = LinearMachine.along(basis, equations, linear.system, spin, linear.time)
+    size = np.sqrt(np.abs(np.diag(linear.stiffness)) + spin.rate**2 * np.diag(linear.mass))
     changes = {
-        "mass": (again.mass - projected.mass) * spin.rate**2,
-        "damping": (again.damping - projected.damping) * spin.rate,
-        "stiffness": again.stiffness - projected.stiffness,
+        "mass": (again.mass - linear.mass) * spin.rate**2,
+        "damping": (again.damping - linear.damping) * spin.rate,
+        "stiffness": again.stiffness - linear.stiffness,
     }
     largest = {what: float(np.max(abs(change) / np.outer(size, size))) for what, change in changes.items()}
-    largest["control"] = _changed(projected.control, again.control, size, spin.rate)
+    largest["control"] = _changed(linear.control, again.control, size, spin.rate)
     opened = float(np.max(abs(jacobian @ basis) @ np.ones(basis.shape[1]), initial=0.0))
     # If the basis does not move any joint, the rounding is that of a motion of unit kinetic energy.
-    reach = abs(basis).sum(axis=1) + 1 / np.sqrt(masses)
+    reach = abs(basis).sum(axis=1) + 1 / np.sqrt(equations.mass.diagonal())
     largest["joints"] = opened / float(np.max(abs(jacobian) @ reach, initial=1e-300))
     largest["balance"] = unbalanced
     return max(largest.items(), key=lambda item: item[1])
@@ -270,10 +224,10 @@ def _refusal(what: str, change: float) -> str:
     )
 
 
-def _changed(control: LinearControl, again: LinearControl, size: Array, rate: float) -> float:
+def _changed(control: LinearControl, again: LinearControl, size: np.ndarray, rate: float) -> float:
     """Largest change of the readings and forces of controllers, each relative to its own size."""
 
-    def parts(own: LinearControl) -> tuple[Array, Array]:
+    def parts(own: LinearControl) -> tuple[np.ndarray, np.ndarray]:
         read = np.hstack([own.by_position / size, own.by_velocity * abs(rate) / size])
         return read, (own.forces / size[:, None]).T
 

@@ -15,7 +15,7 @@ from supple.linearization.linear_machine import Array, FullMachine, LinearMachin
 from supple.linearization.mode_error import ModeError, mode_error
 from supple.linearization.periodic import floquet_modes
 from supple.linearization.slowest_motions import slowest_motions
-from supple.linearization.sparse_machine import SparseMachine
+from supple.linearization.sparse_machine import SparseMachine, slow_first
 from supple.linearization.standing_error import slowest_in_standing_axes
 from supple.summary import Summarized, Summary
 
@@ -98,9 +98,7 @@ class MachineModes(Summarized):
         """
         machine, shapes = self.machine, self.shapes
         weighted = np.real(shapes.conj() * (machine.full_mass @ shapes))
-        sizes = [6 + placed.body.n_coordinates for placed in machine.system.bodies]
-        starts = np.cumsum([0, *sizes[:-1]])
-        energies = np.add.reduceat(weighted, starts, axis=0)
+        energies = np.add.reduceat(weighted, [own.start for own in machine.slices], axis=0)
         whole = energies.sum(axis=0)
         return energies / np.where(whole > 0, whole, 1.0)
 
@@ -223,21 +221,9 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
 
 
 def _slow_first(machine: LinearMachine) -> Array:
-    """Coordinates (k, k) that separate slow and stiff motions: undamped vibrations, slowest first.
-
-    The rounding error of an eigenvalue is relative to the largest matrix entry; in mixed coordinates this is
-    the stiffest spring. Slow motions, computed as the highest eigenvalues of the inverse, are accurate
-    relative to their own size.
-    """
-    stiffness, mass = (machine.stiffness + machine.stiffness.T) / 2, machine.mass
-    square = 1e-9 * float(np.max(abs(np.diag(stiffness)) / np.diag(mass))) or 1.0
-    while True:
-        try:
-            values, motions = scipy.linalg.eigh(mass, stiffness + square * mass)
-        except scipy.linalg.LinAlgError:  # unstable by buckling or centrifugal force at that rate
-            square *= 10
-            continue
-        return (motions / np.sqrt(values))[:, ::-1]
+    """Coordinates (k, k) that separate slow and stiff motions."""
+    square = 1e-9 * float(np.max(abs(np.diag(machine.stiffness)) / np.diag(machine.mass))) or 1.0
+    return slow_first(machine.mass, machine.stiffness, square)
 
 
 def _is_rigid(machine: LinearMachine, values: Any, motions: Any) -> np.ndarray:

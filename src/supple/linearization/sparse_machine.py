@@ -70,32 +70,29 @@ class SparseMachine:
         """`N` (n, k) of all motions, mass-orthonormal, for a small machine."""
         free = scipy.linalg.null_space(self.equations.constraint.toarray())
         mass, stiffness = (free.T @ (part @ free) for part in (self.equations.mass, self.equations.stiffness))
-        # As the highest eigenvalues of the inverse, slow vibrations have small rounding errors.
-        square = self.slow.shift**2
-        while True:
-            shifted = (stiffness + stiffness.T) / 2 + square * mass
-            try:
-                values, motions = scipy.linalg.eigh(mass, shifted)
-            except scipy.linalg.LinAlgError:  # unstable by buckling at that rate
-                square *= 10
-                continue
-            return free @ (motions / np.sqrt(values))
+        return free @ slow_first(mass, stiffness, self.slow.shift**2)
 
     def along(self, basis: Array) -> LinearMachine:
         """The machine restricted to some motions (n, k)."""
-        equations = self.equations
-        mass = basis.T @ (equations.mass @ basis)
-        return LinearMachine(
-            system=self.system,
-            spin=self.spin,
-            time=self.time,
-            mass=(mass + mass.T) / 2,
-            damping=basis.T @ equations.damped(basis),
-            stiffness=basis.T @ (equations.stiffness @ basis),
-            basis=basis,
-            full_mass=equations.mass,
-            control=equations.control.along(basis),
-        )
+        return LinearMachine.along(basis, self.equations, self.system, self.spin, self.time)
+
+
+def slow_first(mass: Array, stiffness: Array, square: float) -> Array:
+    """Mass-orthonormal motions (k, k) that separate slow and stiff ones: undamped vibrations, slowest first.
+
+    The rounding error of an eigenvalue is relative to the largest matrix entry; in mixed coordinates this is
+    the stiffest spring. Slow motions, computed as the highest eigenvalues of the inverse, are accurate
+    relative to their own size.
+
+    square : shift of the inverse, (rad per unit of time)^2
+    """
+    while True:
+        try:
+            values, motions = scipy.linalg.eigh(mass, (stiffness + stiffness.T) / 2 + square * mass)
+        except scipy.linalg.LinAlgError:  # unstable by buckling or centrifugal force at that rate
+            square *= 10
+            continue
+        return (motions / np.sqrt(values))[:, ::-1]
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,7 +40,7 @@ from supple.machine import GROUND, Joint, Spin
 from supple.simulation.resting_state import RestingState, placed_at_rest
 from supple.simulation.turned_machine import CONSTANT, equations_turned_on, turning_bodies
 
-__all__ = ["FEW", "BodyColumns", "Sampled", "constant_in_standing_axes", "in_standing_axes"]
+__all__ = ["FEW", "BodyColumns", "Sampled", "axis_in_body", "constant_in_standing_axes", "in_standing_axes"]
 
 FEW, SAMPLES = 7, 16
 """Numbers of angles of a revolution: `FEW` for comparing the equations, `SAMPLES` for their harmonics."""
@@ -104,7 +104,7 @@ def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str)
 def _warn_of_cut_pairs(found: RestingState, spin: Spin, columns: BodyColumns) -> None:
     """Warn of bodies whose basis has one of two equal modes; any other asymmetry lacks more copies."""
     for number in map(int, np.flatnonzero(turning_bodies(found, spin))):
-        body, (axis, point) = columns.bodies[number], _axis_in_body(found, spin, number)
+        body, (axis, point) = columns.bodies[number], axis_in_body(found, spin, number)
         if 0 < shapes_without_copy(body, axis, point) <= CUT:
             warnings.warn(
                 f"body '{body.name}': its mesh is symmetric about the axis of the spin, but its basis is "
@@ -327,7 +327,7 @@ def _round_bodies(
     for number in map(int, np.flatnonzero(turning)):
         if number in blades:
             continue
-        axis, point = _axis_in_body(found, spin, number)
+        axis, point = axis_in_body(found, spin, number)
         generator = turn_generator(columns.bodies[number], axis, point)
         if generator is None:
             continue
@@ -342,7 +342,7 @@ def _round_bodies(
     return T
 
 
-def _axis_in_body(found: RestingState, spin: Spin, number: int) -> tuple[Array, Array]:
+def axis_in_body(found: RestingState, spin: Spin, number: int) -> tuple[Array, Array]:
     """Direction of the axis of rotation, and a point on it, in the axes of a body."""
     rotation = found.configuration.rotations[number]
     return rotation.T @ spin.axis, rotation.T @ (spin.point - found.configuration.origins[number])

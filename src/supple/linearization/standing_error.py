@@ -13,14 +13,13 @@ Source: [Voss2004], as for `slowest_motions`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse import csc_array
+from scipy.sparse import block_diag, csc_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
 from supple.body import FullBody, frame_projector
@@ -28,7 +27,13 @@ from supple.errors import AccuracyError
 from supple.linearization.axisymmetry import waves_around
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
-from supple.linearization.standing_axes import FEW, BodyColumns, Sampled, constant_in_standing_axes
+from supple.linearization.standing_axes import (
+    FEW,
+    BodyColumns,
+    Sampled,
+    axis_in_body,
+    constant_in_standing_axes,
+)
 from supple.machine import Spin
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.resting_state import RestingState
@@ -84,29 +89,19 @@ class StandingTurn:
         ]
         return every
 
-    def expansion(self, vectors: Mapping[str, Array]) -> Array:
-        """Matrix (N, n) from coordinates of bodies reduced to given bases to those of unreduced bodies."""
-        blocks = []
-        for placed, part in zip(self.found.system.bodies, self.found.equations.slices, strict=True):
-            own = np.eye(part.stop - part.start)
-            if placed.body.name in vectors:
-                own = scipy.linalg.block_diag(np.eye(6), vectors[placed.body.name])
-            blocks.append(own)
-        return scipy.linalg.block_diag(*blocks)
-
     def along(self, vectors: Mapping[str, Array]) -> LinearMachine:
         """The machine with bodies reduced to given bases; `basis` of the result maps to these coordinates.
 
         Raises AccuracyError if its equations in standing axes are not constant.
         """
-        expansion = self.expansion(vectors)
+        motions = expansion(self.found, vectors).toarray()
         # The columns satisfy the frame conditions: the last rows of the constraints, six for each full body.
         joints = self.turned[0].constraint.shape[0] - 6 * len(self.fulls)
         sampled = Sampled(
-            mass=np.array([expansion.T @ (each.mass @ expansion) for each in self.turned]),
-            damping=np.array([expansion.T @ each.damped(expansion) for each in self.turned]),
-            stiffness=np.array([expansion.T @ (each.stiffness @ expansion) for each in self.turned]),
-            constraint=np.array([(each.constraint @ expansion)[:joints] for each in self.turned]),
+            mass=np.array([motions.T @ (each.mass @ motions) for each in self.turned]),
+            damping=np.array([motions.T @ each.damped(motions) for each in self.turned]),
+            stiffness=np.array([motions.T @ (each.stiffness @ motions) for each in self.turned]),
+            constraint=np.array([(each.constraint @ motions)[:joints] for each in self.turned]),
         )
         machine = constant_in_standing_axes(self.found, self.time, self.spin, self._columns(vectors), sampled)
         if machine is None:
@@ -129,11 +124,7 @@ class StandingTurn:
 
     def enlarged(self, vectors: Mapping[str, Array], responses: Array) -> dict[str, Array]:
         """The bases, extended by the parts of responses (N, k) of unreduced bodies outside them."""
-        own = {
-            placed.body.name: responses[part.start + 6 : part.stop]
-            for placed, part in zip(self.found.system.bodies, self.found.equations.slices, strict=True)
-            if placed.body.name in vectors
-        }
+        own = {name: responses[part] for name, part in coordinates_of_bodies(self.found, vectors).items()}
         found: dict[str, Array] = {}
         for name, basis in vectors.items():
             # Equal bodies keep equal bases, whether they are blades of one rotor or not.
@@ -148,9 +139,7 @@ class StandingTurn:
         full = self.fulls[name]
         body, T = full.body, full.body.expansion
         number = [placed.body.name for placed in self.found.system.bodies].index(name)
-        rotation = self.found.configuration.rotations[number]
-        point = rotation.T @ (self.spin.point - self.found.configuration.origins[number])
-        nodal = waves_around(full.nodes, T @ added, rotation.T @ self.spin.axis, point)
+        nodal = waves_around(full.nodes, T @ added, *axis_in_body(self.found, self.spin, number))
         added = frame_projector(body, full.frame)(splu(csc_array(T.T @ T)).solve(T.T @ nodal))
         weight = basis.T @ (body.mass @ basis)
         for _ in range(2):
@@ -160,6 +149,21 @@ class StandingTurn:
         while 0 < first < len(squares) and squares[first - 1] > PAIRED * squares[first]:
             first += 1
         return np.hstack([basis, added @ (weights[:, first:] / np.sqrt(squares[first:]))])
+
+
+def expansion(found: RestingState, vectors: Mapping[str, Array]) -> csr_array:
+    """Matrix (N, n) from coordinates of bodies reduced to bases, by name, to those of unreduced bodies."""
+    blocks: list[Any] = []
+    for placed, part in zip(found.system.bodies, found.equations.slices, strict=True):
+        own = vectors.get(placed.body.name)
+        blocks += [eye_array(part.stop - part.start)] if own is None else [eye_array(6), own]
+    return csr_array(block_diag(blocks))
+
+
+def coordinates_of_bodies(found: RestingState, names: Collection[str]) -> dict[str, slice]:
+    """Positions of the coordinates of some bodies among all motions, by name."""
+    pairs = zip(found.system.bodies, found.equations.slices, strict=True)
+    return {own.body.name: slice(at.start + 6, at.stop) for own, at in pairs if own.body.name in names}
 
 
 def _is_alike(fulls: Mapping[str, FullBody], vectors: Mapping[str, Array], first: str, second: str) -> bool:
@@ -186,7 +190,7 @@ def slowest_in_standing_axes(
     for _ in range(ROUNDS):
         linear = turn.along(vectors)
         values, y, _ = modes_of(linear)
-        values, shapes = values[:n_modes], turn.expansion(vectors) @ (linear.basis @ y[:, :n_modes])
+        values, shapes = values[:n_modes], expansion(turn.found, vectors) @ (linear.basis @ y[:, :n_modes])
         sizes = np.maximum(abs(values), STILL * abs(values).max(initial=0.0))
         if len(values) == len(before) and (abs(values - before) <= STAYS * sizes).all():
             return values, shapes

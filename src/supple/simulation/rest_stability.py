@@ -13,7 +13,7 @@ from supple.errors import AccuracyError
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.resting_state import RestingState
 
-__all__ = ["is_stable"]
+__all__ = ["free_motions", "is_stable"]
 
 SKEW = 1e-6
 """Largest unsymmetric part of the stiffness attributed to rounding, relative to the largest entry of the
@@ -51,8 +51,7 @@ def is_stable(found: RestingState, time: float) -> bool | None:
 
 def _falling(equations: LinearEquations, *, discrete: bool) -> int | None:
     """Number of negative eigenvalues of the stiffness; None if the stiffness is not symmetric."""
-    size = 1 / np.sqrt(np.diag(equations.mass))
-    free = size[:, None] * scipy.linalg.null_space(equations.constraint * size)
+    free = free_motions(equations)
     mass, stiffness = (free.T @ part @ free for part in (equations.mass, equations.stiffness))
     if not len(mass):
         return 0
@@ -60,6 +59,12 @@ def _falling(equations: LinearEquations, *, discrete: bool) -> int | None:
         return None
     values = scipy.linalg.eigvalsh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
     return int(np.sum(values < -ROUNDING * abs(values).max()))
+
+
+def free_motions(equations: LinearEquations) -> np.ndarray:
+    """Basis `N` (n, k) of the null space of `G`; each column has unit kinetic energy."""
+    size = 1 / np.sqrt(np.diag(equations.mass))
+    return size[:, None] * scipy.linalg.null_space(equations.constraint * size)
 
 
 def _falling_sparse(equations: SparseEquations) -> int | None:
