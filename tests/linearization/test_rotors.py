@@ -205,3 +205,11 @@ def test_a_free_gyroscopic_body_keeps_energy_and_angular_momentum():
     coarse, fine = np.array(drift(4e-5)), np.array(drift(2e-5))
     assert (fine < 1e-4).all()
     assert (coarse / fine > 3.5).all()
+
+
+def test_a_mode_without_a_match_has_no_damping_ratio_at_that_speed():
+    """It is unknown there, not zero, in each kind of axes."""
+    eigenvalues = np.array([[-0.3 + 0.4j, -1.0 + 0.0j], [np.nan + 0.0j, 0.0 + 0.0j]])
+    diagram = CampbellDiagram(np.array([0.0, 1.0]), eigenvalues, np.ones((1, 2)))
+    np.testing.assert_array_equal(diagram.damping_ratios, [[0.6, 1.0], [np.nan, 0.0]])
+    np.testing.assert_array_equal(diagram.observed_damping_ratios, diagram.damping_ratios)

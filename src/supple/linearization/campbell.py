@@ -18,10 +18,10 @@ from supple.body import FullBody
 from supple.errors import BasisWarning, ModelError, ValidityWarning
 from supple.linearization.linear_machine import STANDING, Array, LinearMachine
 from supple.linearization.linearize import linearize
-from supple.linearization.machine_modes import MachineModes, machine_modes
+from supple.linearization.machine_modes import MachineModes, damping_in_space, machine_modes
 from supple.linearization.mode_names import mode_names
 from supple.linearization.sparse_machine import SparseMachine
-from supple.linearization.whirl import damping_in_space, whirl
+from supple.linearization.whirl import whirl
 from supple.machine import Spin, System
 from supple.progress import by_fraction, with_progress_bar
 from supple.simulation.full_rest import known_fulls
@@ -177,9 +177,8 @@ class CampbellDiagram(Summarized):
 
     @property
     def damping_ratios(self) -> Array:
-        """Damping ratios `-Re(s) / |s|` of the eigenvalues s in `axes`, (ns, nm)."""
-        size = abs(self.eigenvalues)
-        return np.where(size > 0, -self.eigenvalues.real / np.where(size > 0, size, 1.0), 0.0)
+        """Damping ratios `-Re(s) / |s|` of the eigenvalues s in `axes`, (ns, nm); NaN as these."""
+        return damping_in_space(self.eigenvalues, self.frequencies)
 
     @property
     def observed_damping_ratios(self) -> Array:
@@ -241,65 +240,68 @@ def campbell_diagram(
     """
     if not spins:
         raise ModelError("a Campbell diagram needs at least one speed")
-    followed: list[np.ndarray] = []
-    likeness: list[Array] = []
-    errors: list[Array] = []
-    messages: list[list[str]] = []
-    limits: list[list[str]] = []
+    tracked: list[_AtSpeed] = []
+    beyond: list[list[str]] = []
+    words: list[list[str]] = []
     before: MachineModes | None = None
-    wanted = n_modes
-    senses: list[Array] = []
-    in_space: list[Array] = []
     axes, names = STANDING, np.array([])
     fastest = max(range(len(spins)), key=lambda each: (abs(spins[each].rate), each))
     for number, spin in enumerate(spins):
-        with _held(ValidityWarning) as beyond, _held(BasisWarning) as words:
+        with _held(ValidityWarning) as limits, _held(BasisWarning) as errors:
             linear = linearize(system, spin=spin, time=time, fulls=fulls)
-        messages.append(words)
-        limits.append(beyond)
-        # With full bodies there are very many modes: matches are sought among some more than n_modes.
-        modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
-        if before is None:
-            rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
-            wanted = len(chosen)
-        else:
-            table, apart = _likeness(before, modes)
-            # Among similar shapes, the one with the nearest frequency is chosen.
-            rows, chosen = scipy.optimize.linear_sum_assignment(apart - table + _unlikely(before, modes))
-            likeness.append(_placed(len(table), rows, table[rows, chosen]))
-        eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
-        with _held(BasisWarning) as words:
-            errors.append(_placed(wanted, rows, _errors(linear, chosen)))
-        messages[-1] += words
+            # With full bodies there are very many modes: matches are sought among some more than n_modes.
+            modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
+            if before is None:
+                rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
+                before, likeness = _some(modes, chosen), np.ones(len(chosen))
+            else:
+                table, apart = _likeness(before, modes)
+                # Among similar shapes, the one with the nearest frequency is chosen.
+                rows, chosen = scipy.optimize.linear_sum_assignment(apart - table + _unlikely(before, modes))
+                likeness = table[rows, chosen]
+            found, own = _some(modes, chosen), whirl(modes)
+            of_bases = _errors(linear, chosen)
+        beyond.append(limits)
+        words.append(errors)
+        in_space = own.frequencies[chosen]
+        values = (found.eigenvalues, of_bases, own.sense[chosen].astype(float), in_space, likeness)
+        tracked.append(_AtSpeed(*(_placed(len(before.eigenvalues), rows, each) for each in values)))
         # A mode without a match (its pair may have become real) keeps its last shape, for matching later.
-        shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
-        if before is not None:
-            shapes = modes.machine.coordinates_of(before.shapes)
-        shapes[:, rows] = modes.independent[:, chosen]
-        followed.append(eigenvalues)
-        own = whirl(modes)
-        senses.append(np.nan_to_num(_placed(wanted, rows, own.sense[chosen].astype(float))).astype(int))
-        in_space.append(_placed(wanted, rows, own.frequencies[chosen]))
+        shapes = modes.machine.coordinates_of(before.shapes)
+        shapes[:, rows] = found.independent
+        eigenvalues = before.eigenvalues.copy()
+        eigenvalues[rows] = found.eigenvalues
         axes = modes.machine.axes if spin.rate else axes
         if number == fastest:
-            names = np.full(wanted, "", dtype=object)
-            names[rows] = mode_names(_some(modes, chosen))
-        known = np.where(np.isnan(eigenvalues), 0.0 if before is None else before.eigenvalues, eigenvalues)
-        before = replace(modes, eigenvalues=known, independent=shapes)
+            names = np.full(len(shapes.T), "", dtype=object)
+            names[rows] = mode_names(found)
+        before = replace(modes, eigenvalues=eigenvalues, independent=shapes)
         progress((number + 1) / len(spins))
-    rates, known = np.array([spin.rate for spin in spins]), np.array(errors)
-    _warn_of_worst(rates, known, messages)
-    _warn_of_limits(rates, limits)
+    rates = np.array([spin.rate for spin in spins])
+    followed = _AtSpeed(*map(np.array, zip(*tracked, strict=True)))
+    largest = np.nan_to_num(followed.errors, nan=0.0, posinf=1.0).max(axis=1, initial=0.0)
+    _warn_of_worst(BasisWarning, words, largest, rates)
+    _warn_of_worst(ValidityWarning, beyond, abs(rates))
     return CampbellDiagram(
         rates,
-        np.array(followed),
-        np.array(likeness).reshape(len(spins) - 1, len(followed[0])),
-        known if known_fulls(system, fulls) else None,
+        followed.eigenvalues,
+        followed.likeness[1:],
+        followed.errors if known_fulls(system, fulls) else None,
         axes,
-        np.array(senses),
-        np.array(in_space),
+        np.nan_to_num(followed.sense).astype(int),
+        followed.in_space,
         tuple(names),
     )
+
+
+class _AtSpeed(NamedTuple):
+    """The followed modes (nm,) at a speed, NaN without a match; `likeness` to those at the speed before."""
+
+    eigenvalues: np.ndarray
+    errors: Array
+    sense: Array
+    in_space: Array
+    likeness: Array
 
 
 def _likeness(before: MachineModes, modes: MachineModes) -> tuple[Array, Array]:
@@ -366,26 +368,17 @@ def _held(category: type[Warning]) -> Iterator[list[str]]:
             warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
 
 
-def _warn_of_worst(rates: Array, errors: Array, messages: Sequence[Sequence[str]]) -> None:
-    """Warn with the messages of the speed with the largest basis error, among the speeds with messages."""
+def _warn_of_worst(
+    category: type[Warning], messages: Sequence[Sequence[str]], sizes: Array, rates: Array | None = None
+) -> None:
+    """Warn with the messages of the speed of the largest size among the speeds with messages."""
     warned = [number for number, words in enumerate(messages) if words]
     if not warned:
         return
-    largest = np.nanmax(np.nan_to_num(errors[warned], nan=0.0, posinf=1.0), axis=1, initial=0.0)
-    worst = warned[int(np.argmax(largest))]
-    speeds = f"at {len(warned)} of {len(rates)} speeds, most at {rates[worst]:.4g} rad per unit of time"
+    worst = max(warned, key=lambda number: sizes[number])
+    most = "" if rates is None else f", most at {rates[worst]:.4g} rad per unit of time"
     for words in messages[worst]:
-        warnings.warn(f"{speeds}: {words}", BasisWarning, stacklevel=4)
-
-
-def _warn_of_limits(rates: Array, messages: Sequence[Sequence[str]]) -> None:
-    """Warn with the messages of the fastest speed at which a limit of the kinematics is exceeded."""
-    warned = [number for number, words in enumerate(messages) if words]
-    if not warned:
-        return
-    worst = max(warned, key=lambda number: abs(rates[number]))
-    for words in messages[worst]:
-        warnings.warn(f"at {len(warned)} of {len(rates)} speeds: {words}", ValidityWarning, stacklevel=4)
+        warnings.warn(f"at {len(warned)} of {len(messages)} speeds{most}: {words}", category, stacklevel=4)
 
 
 def _placed(size: int, rows: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ from supple.linearization.sparse_machine import SparseMachine, slow_first
 from supple.linearization.standing_error import slowest_in_standing_axes
 from supple.summary import Summarized, Summary
 
-__all__ = ["MachineModes", "machine_modes"]
+__all__ = ["MachineModes", "damping_in_space", "machine_modes"]
 
 _MOTIONLESS = 1e-12
 """Norm of motion and velocity, relative to that of all states, below which only controllers take part in a
@@ -86,9 +86,7 @@ class MachineModes(Summarized):
     @property
     def damping_ratios(self) -> np.ndarray:
         """`-Re(s) / |s|`, (k,): negative for unstable modes, 0 for rigid motions and rounding errors."""
-        size = abs(self.eigenvalues)
-        ratios = -self.eigenvalues.real / np.where(size > 0, size, 1.0)
-        return np.where(abs(ratios) > _NO_DAMPING, ratios, 0.0)
+        return damping_in_space(self.eigenvalues, self.frequencies)
 
     @property
     def kinetic_shares(self) -> np.ndarray:
@@ -109,6 +107,17 @@ class MachineModes(Summarized):
         squares = abs(np.diag(self.machine.stiffness)) / np.diag(self.machine.mass)
         largest = max(float(np.max(abs(self.eigenvalues))), float(np.sqrt(squares.max())))
         return self.eigenvalues.real > 1e-7 * largest
+
+
+def damping_in_space(eigenvalues: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
+    """Damping ratios `-Re(s) / |s|` of motions with given frequencies Im(s); NaN where these are unknown.
+
+    The decay rate -Re(s) is the same in all axes. The frequency is not, and therefore the damping ratio.
+    Rigid motions and rounding errors have none.
+    """
+    size = np.hypot(eigenvalues.real, frequencies)
+    ratios = -eigenvalues.real / np.where(size == 0, np.inf, size)
+    return np.where(abs(ratios) <= _NO_DAMPING, 0.0, ratios)
 
 
 @checked_arguments

@@ -15,7 +15,7 @@ from supple.linearization.linear_machine import LinearMachine
 from supple.linearization.machine_modes import MachineModes
 from supple.machine import Placed
 
-__all__ = ["Whirl", "damping_in_space", "whirl"]
+__all__ = ["Whirl", "whirl"]
 
 Array = np.ndarray
 
@@ -40,15 +40,6 @@ class Whirl(NamedTuple):
 
     sense: Array
     frequencies: Array
-
-
-def damping_in_space(eigenvalues: Any, frequencies: Array) -> Array:
-    """Damping ratios of motions with the given frequencies in space; NaN where these are unknown.
-
-    The decay rate - Re(s) is the same in all axes. The frequency is not, and therefore the damping ratio.
-    """
-    size = np.hypot(eigenvalues.real, frequencies)
-    return -eigenvalues.real / np.where(size == 0, np.inf, size)
 
 
 def whirl(modes: MachineModes) -> Whirl:

@@ -58,7 +58,7 @@ def speed_tables(diagram: CampbellDiagram, units: UnitSystem) -> Iterator[TextTa
 
 def _percents(ratios: np.ndarray) -> np.ndarray:
     """Damping ratios in percent, without rounding errors of motions that are not damped."""
-    return 100 * np.where(abs(ratios) > _NO_DAMPING, ratios, 0.0)
+    return 100 * np.where(abs(ratios) <= _NO_DAMPING, 0.0, ratios)
 
 
 def _frequency(value: float) -> str:
