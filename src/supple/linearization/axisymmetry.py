@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.linalg
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-__all__ = ["shapes_without_copy", "turn_generator", "waves_around"]
+__all__ = ["RoundBody", "shapes_without_copy", "turn_generator", "waves_around"]
 
 Array = np.ndarray
 
@@ -28,7 +28,21 @@ LEAST_IMAGE, LARGEST_CONDITION = 0.8, 1e4
 """Least part of a rotated shape in the basis, and largest condition number of the shapes, for a generator."""
 
 
-def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
+class RoundBody(Protocol):
+    """A body as far as symmetry about the axis matters; deformable ones also have a `nodal_basis`."""
+
+    @property
+    def nodes(self) -> Array:
+        """Positions (N, 3), in the frame of the body."""
+        ...
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of deformation coordinates."""
+        ...
+
+
+def turn_generator(body: RoundBody, axis: Array, point: Array) -> Array | None:
     """Generator J (r, r): coordinates `exp(psi J) q` represent the shape of q rotated by psi about the axis.
 
     A mesh of n equal sectors is mapped onto itself by a rotation of 2 pi / n; J follows from the logarithm of
@@ -37,7 +51,6 @@ def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
     `exp(2 pi J)` is still the identity. Zeros (0, 0) for a rigid body; None for a body without
     `nodal_basis`, or one that is not round, as a blade.
 
-    body : ReducedBody, or any other with a `nodal_basis`
     axis, point : (3,) in the body's frame
     """
     if not body.n_coordinates:
@@ -62,7 +75,7 @@ def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
     return logarithm.real * sectors / (2 * np.pi)
 
 
-def shapes_without_copy(body: Any, axis: Array, point: Array) -> int:
+def shapes_without_copy(body: RoundBody, axis: Array, point: Array) -> int:
     """Number of shapes of a body with cyclic symmetry of which its basis lacks the rotated copy.
 
     Zero for a body without cyclic symmetry, or without a `nodal_basis`. Parameters as for `turn_generator`.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from supple.errors import ModelError
-from supple.linearization.linear_machine import Array, LinearMachine
+from supple.linearization.linear_machine import Array, LinearMachine, rigid_motions
 from supple.linearization.machine_modes import MachineModes
 from supple.linearization.ports import checked_direction, direction_text
 
@@ -74,11 +74,6 @@ def base_masses(machine: LinearMachine) -> Array:
         raise ModelError(
             "a base that moves has constant equations only in a machine that does not rotate: leave out spin"
         )
-    parts = []
-    for placed in machine.system.bodies:
-        axes, point = placed.rotation.T, placed.position
-        part = np.zeros((6 + placed.body.n_coordinates, 6))
-        part[:3, :3] = part[3:6, 3:] = axes
-        part[:3, 3:] = axes @ np.cross(np.eye(3), point).T
-        parts.append(part)
-    return (machine.full_mass @ np.vstack(parts)).T @ machine.basis
+    pairs = zip(machine.slices, machine.system.bodies, strict=True)
+    frames = ((own.start, placed.rotation, placed.position) for own, placed in pairs)
+    return (machine.full_mass @ rigid_motions(len(machine.basis), frames)).T @ machine.basis

@@ -16,7 +16,7 @@ import scipy  # its parts are imported when first used
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import BasisWarning, ModelError, ValidityWarning
-from supple.linearization.linear_machine import STANDING, Array, LinearMachine
+from supple.linearization.linear_machine import STANDING, Array, LinearMachine, likeness
 from supple.linearization.linearize import linearize
 from supple.linearization.machine_modes import MachineModes, damping_in_space, machine_modes
 from supple.linearization.mode_names import mode_names
@@ -201,13 +201,8 @@ def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
             f"{len(first.shapes)} and {len(second.shapes)}"
         )
     # Motions of frames and coordinates have different units: the mass of the first machine weights them.
-    a, b = first.independent, first.machine.coordinates_of(second.shapes)
-    weighted = first.machine.mass @ b
-    product = abs(a.conj().T @ weighted) ** 2
-    sizes = np.real(np.einsum("ij,ij->j", a.conj(), first.machine.mass @ a))
-    others = np.real(np.einsum("ij,ij->j", b.conj(), weighted))
-    both = np.outer(sizes, others)
-    return product / np.where(both > 0, both, 1.0)
+    machine = first.machine
+    return likeness(first.independent, machine.coordinates_of(second.shapes), machine.mass)
 
 
 @checked_arguments
@@ -253,18 +248,18 @@ def campbell_diagram(
             modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
             if before is None:
                 rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
-                before, likeness = _some(modes, chosen), np.ones(len(chosen))
+                before, alike = _some(modes, chosen), np.ones(len(chosen))
             else:
                 table, apart = _likeness(before, modes)
                 # Among similar shapes, the one with the nearest frequency is chosen.
                 rows, chosen = scipy.optimize.linear_sum_assignment(apart - table + _unlikely(before, modes))
-                likeness = table[rows, chosen]
+                alike = table[rows, chosen]
             found, own = _some(modes, chosen), whirl(modes)
             of_bases = _errors(linear, chosen)
         beyond.append(limits)
         words.append(errors)
         in_space = own.frequencies[chosen]
-        values = (found.eigenvalues, of_bases, own.sense[chosen].astype(float), in_space, likeness)
+        values = (found.eigenvalues, of_bases, own.sense[chosen].astype(float), in_space, alike)
         tracked.append(_AtSpeed(*(_placed(len(before.eigenvalues), rows, each) for each in values)))
         # A mode without a match (its pair may have become real) keeps its last shape, for matching later.
         shapes = modes.machine.coordinates_of(before.shapes)

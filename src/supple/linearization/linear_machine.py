@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse import csr_array
 
+from supple.algebra.cross import cross_matrix
 from supple.equations.control_linearization import LinearControl
 from supple.equations.steady_motion import LinearEquations
 from supple.integrate import Solution, Statistics
@@ -18,6 +19,7 @@ from supple.machine import Spin, System
 from supple.summary import Summarized, Summary, listed
 
 if TYPE_CHECKING:
+    from supple.linearization.axisymmetry import RoundBody
     from supple.linearization.sparse_machine import SparseMachine
     from supple.linearization.standing_error import StandingTurn
     from supple.methods.floating.full.linear_equations import SparseEquations
@@ -29,6 +31,36 @@ Array = np.ndarray
 TURNING, STANDING = "turning with the machine", "standing in space"
 """Axes of the frequencies: a forward whirl of frequency w in space has the frequency w minus the spin rate in
 co-rotating axes."""
+
+
+def mass_squares(motions: np.ndarray, mass: Array | csr_array) -> Array:
+    """Squared norms (k,) of motions (n, k), weighted by the mass."""
+    return np.maximum(np.real(np.einsum("ij,ij->j", motions.conj(), mass @ motions)), 0.0)
+
+
+def likeness(first: np.ndarray, second: np.ndarray, mass: Array | csr_array) -> Array:
+    """MAC (j, k) of motions a (n, j) and b (n, k): `|a^H M b|^2 / (|a|^2 |b|^2)`; 0 for those at rest."""
+    product = abs(first.conj().T @ (mass @ second)) ** 2
+    sizes = np.outer(mass_squares(first, mass), mass_squares(second, mass))
+    return product / np.where(sizes > 0, sizes, 1.0)
+
+
+def slices_of(bodies: Iterable[RoundBody]) -> tuple[slice, ...]:
+    """Positions of the motions of each body among `p`."""
+    ends = np.cumsum([6 + body.n_coordinates for body in bodies]).tolist()
+    return tuple(map(slice, [0, *ends[:-1]], ends))
+
+
+def rigid_motions(n: int, frames: Iterable[tuple[int, Array, Array]]) -> Array:
+    """Motions `p` (n, 6) of bodies for unit translations, and rotations about one point, global axes.
+
+    frames : number of the first motion of each body, rotation of its frame, and its position from the point
+    """
+    found = np.zeros((n, 6))
+    for start, rotation, arm in frames:
+        found[start : start + 3, :3] = found[start + 3 : start + 6, 3:] = rotation.T
+        found[start : start + 3, 3:] = -rotation.T @ cross_matrix(arm)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,8 +172,7 @@ class LinearMachine(Summarized):
     @property
     def slices(self) -> tuple[slice, ...]:
         """Positions of the motions of each body among `p`."""
-        ends = np.cumsum([6 + placed.body.n_coordinates for placed in self.system.bodies]).tolist()
-        return tuple(map(slice, [0, *ends[:-1]], ends))
+        return slices_of(placed.body for placed in self.system.bodies)
 
     def motion_near(self, displacements: Array, rates: Array, times: Array | None = None) -> Solution:
         """Motion of the bodies for small p (t, n) about the equilibrium.

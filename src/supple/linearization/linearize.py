@@ -14,7 +14,7 @@ from supple.equations.control_linearization import LinearControl
 from supple.errors import ModelError
 from supple.linearization.linear_machine import FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
-from supple.linearization.standing_axes import in_standing_axes
+from supple.linearization.standing_axes import RotatingMachine, in_standing_axes
 from supple.linearization.standing_error import StandingTurn, coordinates_of_bodies, expansion
 from supple.machine import JointFriction, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
@@ -188,7 +188,8 @@ def _full_machine(
     standing = None
     if is_in_space and spin is not None:
         own = {name: body for name, body in fulls.items() if name in vectors}
-        standing = StandingTurn(full.found, time, spin, own, vectors)
+        bodies = [placed.body for placed in full.found.system.bodies]
+        standing = StandingTurn(RotatingMachine(full.found, time, spin, bodies), own, vectors)
     parts = coordinates_of_bodies(full.found, vectors)
     return FullMachine(machine, expansion(full.found, vectors), parts, errors, standing)
 

@@ -11,7 +11,7 @@ import scipy.linalg
 
 from supple.arguments import checked_arguments
 from supple.errors import ModelError
-from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
+from supple.linearization.linear_machine import Array, FullMachine, LinearMachine, mass_squares
 from supple.linearization.mode_error import ModeError, mode_error
 from supple.linearization.periodic import floquet_modes
 from supple.linearization.slowest_motions import slowest_motions
@@ -168,7 +168,7 @@ def _floquet(machine: LinearMachine, n_modes: int | None) -> tuple[Any, Any, Any
     graded = _slow_first(machine)
     found = floquet_modes(machine.periodic.along(graded), n_modes)
     y = graded @ found.principal
-    sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))
+    sizes = np.sqrt(mass_squares(y, machine.mass))
     return found.eigenvalues, y / np.where(sizes > 0, sizes, 1.0), np.zeros((0, y.shape[1]))
 
 
@@ -224,7 +224,7 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     order = np.lexsort((-values.real, [float(f"{size:.8g}") for size in abs(values)]))
     values, vectors, still = values[order], vectors[:, order], still[order]
     y = graded @ scipy.linalg.solve_triangular(lower.T, np.where(still, 0.0, vectors[:k]))
-    sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))
+    sizes = np.sqrt(mass_squares(y, machine.mass))
     sizes = np.where(still, np.linalg.norm(vectors[2 * k :], axis=0), sizes)
     return values, y / sizes, vectors[2 * k :] / sizes
 

@@ -11,7 +11,7 @@ import numpy as np
 import scipy  # its parts are imported when first used
 
 from supple.errors import BasisWarning
-from supple.linearization.linear_machine import FullMachine
+from supple.linearization.linear_machine import FullMachine, likeness
 from supple.linearization.sparse_machine import SparseMachine
 from supple.simulation.equilibrium import LARGEST_ERROR, REMEDY
 
@@ -74,14 +74,10 @@ def mode_error(
     """
     number = min(len(values) + MORE, full.machine.size)  # all for a small machine
     exact, motions = slowest(full.machine, number)
-    mass = full.machine.equations.mass
-    ours = full.expansion @ shapes
-    product = abs(ours.conj().T @ (mass @ motions)) ** 2
-    sizes = np.outer(_squares(ours, mass), _squares(motions, mass))
-    likeness = product / np.where(sizes > 0, sizes, 1.0)
+    alike = likeness(full.expansion @ shapes, motions, full.machine.equations.mass)
     largest = max(float(abs(exact).max(initial=0.0)), 1e-300)
     apart = abs(values[:, None] - exact) / (abs(values)[:, None] + abs(exact) + STILL * largest)
-    rows, columns = scipy.optimize.linear_sum_assignment(apart - likeness)
+    rows, columns = scipy.optimize.linear_sum_assignment(apart - alike)
     found = np.full(len(values), np.nan, dtype=complex)
     found[rows] = exact[columns]
     relative = np.full(len(values), np.inf)
@@ -89,7 +85,7 @@ def mode_error(
     # If one shape belongs to several modes, only their frequencies separate them.
     near = relative < LARGEST_ERROR
     unlike = np.ones(len(values), dtype=bool)
-    unlike[rows] = likeness[rows, columns] < UNLIKE
+    unlike[rows] = alike[rows, columns] < UNLIKE
     lost = unlike & ~near
     found[lost], relative[lost] = np.nan, np.inf
     taken = np.zeros(len(exact), dtype=bool)
@@ -101,14 +97,8 @@ def mode_error(
         eigenvalues=found,
         relative=relative,
         missed=exact[missed],
-        fields={name: _columns(motions[part][:, wanted]) for name, part in full.bodies.items()},
+        fields={
+            name: np.hstack([motions[part][:, wanted].real, motions[part][:, wanted].imag])
+            for name, part in full.bodies.items()
+        },
     )
-
-
-def _columns(shapes: Any) -> np.ndarray:
-    """Real fields that span complex ones."""
-    return np.hstack([shapes.real, shapes.imag])
-
-
-def _squares(motions: Any, mass: Any) -> np.ndarray:
-    return np.real(np.einsum("ij,ij->j", motions.conj(), mass @ motions))

@@ -50,8 +50,7 @@ def mode_motion(
 def _largest_translation_and_turn(modes: MachineModes, number: int) -> tuple[float, float]:
     """Largest translation of any node, interface or frame, and rotation of any frame, in an unscaled mode."""
     shape, largest, turn = modes.shapes[:, number], 0.0, 0.0
-    rates = np.array([np.real(shape), np.imag(shape)])
-    moving = modes.machine.motion_near(np.zeros_like(rates), rates)
+    moving = modes.machine.moving_at(np.array([shape.real, shape.imag]))
     for body in (placed.body for placed in modes.machine.system.bodies):
         motion = moving.motion(body.name, FramedMotion)
         real, imaginary = np.concatenate(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import Any
 
 import numpy as np
 
@@ -47,7 +46,8 @@ def _kind(modes: MachineModes, number: int, body: int, sense: int) -> str:
     name = placed.body.name
     if spin is None or (spin.bodies is not None and name not in spin.bodies):
         return name
-    radii = _radii(placed, spin)
+    arms = placed.positions() - spin.point
+    radii = arms - np.outer(arms @ spin.axis, spin.axis)  # (N, 3), of all nodes from the axis
     largest = float(np.linalg.norm(radii, axis=1).max(initial=0.0))
     on_axis = largest <= ON_AXIS * np.ptp(placed.positions(), axis=0).max(initial=0.0)
     if not on_axis and np.linalg.norm(radii.mean(axis=0)) > AWAY * largest > 0:
@@ -55,16 +55,13 @@ def _kind(modes: MachineModes, number: int, body: int, sense: int) -> str:
     return {1: "forward whirl", -1: "backward whirl"}.get(sense, name)
 
 
-def _radii(placed: Placed, spin: Spin) -> Array:
-    """Radius vectors of all nodes from the axis, (N, 3)."""
-    arms = placed.positions() - spin.point
-    return arms - np.outer(arms @ spin.axis, spin.axis)
-
-
 def _of_blade(modes: MachineModes, number: int, placed: Placed, spin: Spin, radii: Array) -> str:
     """Name of the motion with the largest part of the sum of squares over the nodes, by sections."""
     along = radii.mean(axis=0) / np.linalg.norm(radii.mean(axis=0))
-    moved = _moved(modes, number, placed)
+    shape = modes.shapes[:, number]
+    motion = modes.machine.moving_at(np.array([shape.real, shape.imag])).bodies[placed.body.name]
+    real, imaginary = placed.body.node_motion(motion, np.arange(len(placed.body.nodes))).velocity
+    moved = real + 1j * imaginary  # (N, 3), of all nodes in space
     places = radii @ along
     edges = np.linspace(places.min(), places.max(), SECTIONS + 1)[1:-1]
     sections = np.searchsorted(edges, places)
@@ -72,22 +69,7 @@ def _of_blade(modes: MachineModes, number: int, placed: Placed, spin: Spin, radi
     sums = np.zeros((SECTIONS, 3), dtype=complex)
     np.add.at(sums, sections, moved)
     means = sums / np.maximum(sizes, 1)[:, None]
-    squares = {
-        name: float(sizes @ abs(means @ direction) ** 2)
-        for name, direction in (
-            ("flap", spin.axis),
-            ("edge", np.cross(spin.axis, along)),
-            ("stretch", along),
-        )
-    }
+    directions = {"flap": spin.axis, "edge": np.cross(spin.axis, along), "stretch": along}
+    squares = {name: float(sizes @ abs(means @ axis) ** 2) for name, axis in directions.items()}
     squares["torsion"] = float(np.sum(abs(moved - means[sections]) ** 2))
     return max(squares, key=lambda name: squares[name])
-
-
-def _moved(modes: MachineModes, number: int, placed: Placed) -> Array:
-    """Complex motions (N, 3) of all nodes in space."""
-    shape: Any = modes.shapes[:, number]
-    rates = np.array([shape.real, shape.imag])
-    motion = modes.machine.motion_near(np.zeros_like(rates), rates).bodies[placed.body.name]
-    real, imaginary = placed.body.node_motion(motion, np.arange(len(placed.body.nodes))).velocity
-    return real + 1j * imaginary

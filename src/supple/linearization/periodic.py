@@ -14,7 +14,6 @@ Source: Hill's determinant; [Hammond1974] for rotors whose equations remain peri
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy import linalg
@@ -63,11 +62,6 @@ class Periodic:
 
         return cls(rate, *map(coefficients, (mass, damping, stiffness)))
 
-    @property
-    def highest(self) -> int:
-        """Highest order H of the coefficients."""
-        return len(self.mass) // 2
-
     def along(self, basis: Array) -> Periodic:
         """The coefficients for motions `basis @ y`."""
         return Periodic(
@@ -83,11 +77,11 @@ class FloquetModes:
     harmonics : complex (2 h + 1, k, m)   y_h, from -h to h
     """
 
-    eigenvalues: Any
-    harmonics: Any
+    eigenvalues: Array
+    harmonics: Array
 
     @property
-    def principal(self) -> Any:
+    def principal(self) -> Array:
         """`y_0` (k, m)."""
         return self.harmonics[len(self.harmonics) // 2]
 
@@ -118,19 +112,18 @@ def _with_harmonics(periodic: Periodic, number: int) -> FloquetModes:
     """Modes with up to the given number of harmonics."""
     k, orders = periodic.mass.shape[1], np.arange(-number, number + 1)
     frequency = 1j * periodic.rate * np.repeat(orders, k)
-    mass, damping, stiffness = (_blocks(each, orders) for each in _parts(periodic))
+    matrices = periodic.mass, periodic.damping, periodic.stiffness
+    mass, damping, stiffness = (_blocks(each, orders) for each in matrices)
     stiff = mass * frequency**2 + damping * frequency + stiffness
     damped = 2 * mass * frequency + damping
     factor = linalg.lu_factor(mass)
     solved = linalg.lu_solve(factor, np.hstack([stiff, damped]))
     size = len(mass)
-    middle = _mean(periodic.mass)
-    unit = float(np.sqrt(np.linalg.norm(linalg.solve(middle, _mean(periodic.stiffness))))) or 1.0
+    middle, stiffer = (each[len(each) // 2].real for each in (periodic.mass, periodic.stiffness))  # means
+    unit = float(np.sqrt(np.linalg.norm(linalg.solve(middle, stiffer)))) or 1.0
     state = np.zeros((2 * size, 2 * size), dtype=complex)
     state[:size, size:] = unit * np.eye(size)
     state[size:, :size], state[size:, size:] = -solved[:, :size] / unit, -solved[:, size:]
-    values: Any
-    vectors: Any
     values, vectors = linalg.eig(state)
     harmonics = vectors[:size].reshape(len(orders), k, -1)
     weights = np.einsum("hkm,kl,hlm->hm", harmonics.conj(), middle, harmonics).real
@@ -138,7 +131,7 @@ def _with_harmonics(periodic: Periodic, number: int) -> FloquetModes:
     values = np.where(abs(values) < ZERO * unit, 0.0, values)
     kept = np.flatnonzero((abs(mean) <= 0.5 + HALF) & ~_twins(values, mean, 1j * periodic.rate))
     kept = kept[values[kept].imag >= 0]
-    kept = kept[_one_of_zeros(values[kept])]
+    kept = np.delete(kept, np.flatnonzero(values[kept] == 0)[1::2])  # one of the two zeros of free motions
     order = kept[np.lexsort((-values[kept].real, abs(values[kept])))]
     return FloquetModes(values[order], harmonics[:, :, order])
 
@@ -149,21 +142,6 @@ def _twins(values: Array, mean: Array, shift: complex) -> Array:
     twins = abs(mean + 0.5) <= HALF
     apart = abs(values[:, None] - shift - values[other]).min(axis=1, initial=np.inf)
     return twins & (apart <= HALF * abs(shift))
-
-
-def _one_of_zeros(values: Array) -> Array:
-    """Indices of the eigenvalues, with only one of the two zeros of each free motion."""
-    zero = np.flatnonzero(values == 0)
-    return np.setdiff1d(np.arange(len(values)), zero[1::2])
-
-
-def _parts(periodic: Periodic) -> tuple[Array, Array, Array]:
-    return periodic.mass, periodic.damping, periodic.stiffness
-
-
-def _mean(coefficients: Array) -> Array:
-    """Mean of a matrix over the revolution, (k, k)."""
-    return coefficients[len(coefficients) // 2].real
 
 
 def _blocks(coefficients: Array, orders: Array) -> Array:

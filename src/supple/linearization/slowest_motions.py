@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from supple.errors import AccuracyError, ModelError
-from supple.linearization.linear_machine import Array
+from supple.linearization.linear_machine import Array, mass_squares
 from supple.linearization.sparse_machine import LARGEST_DENSE, SlowMotions, SparseMachine
 
 __all__ = ["slowest_motions"]
@@ -65,13 +65,14 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
     slow, mass = machine.slow, machine.equations.mass
     wanted = n_modes + _GUARD
     fresh = np.random.default_rng(1).standard_normal((mass.shape[0], wanted))
-    basis = _enlarged(machine, slow.motions, _unit(slow.factor.solve(mass @ fresh), mass))
+    images = slow.factor.solve(mass @ fresh)
+    basis = _enlarged(machine, slow.motions, images / np.sqrt(mass_squares(images, mass)))
     left = np.inf
     for _ in range(_ROUNDS):
         values, independent, states = modes_of(machine.along(basis))
         shapes = basis @ independent[:, :wanted]
         responses = _left_over(machine, slow, values[:wanted], shapes, states[:, :wanted])
-        parts = _sizes(responses, mass)
+        parts = np.sqrt(mass_squares(responses, mass))
         before, left = left, float(parts[:n_modes].max())
         if len(values) >= wanted and (left <= _LEFT or (left <= _ALLOWED and left > before / 3)):
             return basis
@@ -100,15 +101,6 @@ def _left_over(machine: SparseMachine, slow: SlowMotions, values: Any, shapes: A
     responses = slow.factor.solve(np.hstack([loads.real, loads.imag]))
     real, imaginary = np.split(responses, 2, axis=1)
     return shapes + real + 1j * imaginary
-
-
-def _sizes(motions: Any, mass: Any) -> Array:
-    """Norms of motions, weighted by the mass."""
-    return np.sqrt(np.maximum(np.real(np.einsum("ij,ij->j", motions.conj(), mass @ motions)), 0.0))
-
-
-def _unit(motions: Array, mass: Any) -> Array:
-    return motions / _sizes(motions, mass)
 
 
 def _enlarged(machine: SparseMachine, basis: Array, more: Array) -> Array:

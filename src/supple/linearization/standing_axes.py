@@ -24,23 +24,24 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
 from scipy.spatial.transform import Rotation
 
-from supple.algebra.cross import cross_matrix
 from supple.equations.control_linearization import LinearControl
 from supple.errors import BasisWarning, ModelError
-from supple.linearization.axisymmetry import shapes_without_copy, turn_generator
-from supple.linearization.linear_machine import Array, LinearMachine
+from supple.linearization.axisymmetry import RoundBody, shapes_without_copy, turn_generator
+from supple.linearization.linear_machine import Array, LinearMachine, rigid_motions, slices_of
 from supple.linearization.periodic import Periodic
 from supple.machine import GROUND, Joint, Spin
 from supple.simulation.resting_state import RestingState, placed_at_rest
 from supple.simulation.turned_machine import CONSTANT, equations_turned_on, turning_bodies
 
-__all__ = ["FEW", "BodyColumns", "Sampled", "axis_in_body", "constant_in_standing_axes", "in_standing_axes"]
+__all__ = ["FEW", "RotatingMachine", "Sampled", "in_standing_axes"]
 
 FEW, SAMPLES = 7, 16
 """Numbers of angles of a revolution: `FEW` for comparing the equations, `SAMPLES` for their harmonics."""
@@ -67,14 +68,92 @@ class Sampled(NamedTuple):
     constraint: Array
 
 
-class BodyColumns(NamedTuple):
-    """Slices of the coordinates of each body among those of the machine, and the bodies.
+@dataclass(frozen=True, eq=False)
+class RotatingMachine:
+    """A machine in steady rotation, with bodies whose coordinates may be other than those of the equilibrium.
 
-    bodies : objects with `n_coordinates`; deformable ones also with `nodes` and a `nodal_basis`
+    bodies : in the order of those of the equilibrium
     """
 
-    slices: Sequence[slice]
-    bodies: Sequence[Any]
+    found: RestingState
+    time: float
+    spin: Spin
+    bodies: Sequence[RoundBody]
+
+    @cached_property
+    def slices(self) -> tuple[slice, ...]:
+        """Positions of the motions of each body among those of the machine."""
+        return slices_of(self.bodies)
+
+    @cached_property
+    def turning(self) -> Array:
+        """Mask (nb,): True for bodies that rotate."""
+        return turning_bodies(self.found, self.spin)
+
+    @cached_property
+    def hub(self) -> int:
+        """The rotating body connected by a joint, or else a force, to a standing part; else the first."""
+        system = self.found.system
+        elements: list[Any] = [*system.joints, *(load for load in system.loads if hasattr(load, "second"))]
+        for element in sorted(elements, key=lambda each: not isinstance(each, Joint)):
+            ends = [system.body_index(e.body) for e in (element.first, element.second) if e != GROUND]
+            moving = [end for end in ends if self.turning[end]]
+            if len(moving) == 1:
+                return moving[0]
+        return int(np.argmax(self.turning))
+
+    @cached_property
+    def equal_bodies(self) -> list[list[int]]:
+        """Groups of three or more rotating bodies with equally many coordinates, evenly spaced, by angle."""
+        placed, point = self.found.configuration, self.spin.point
+        length = float(self.found.equations.model.length)
+        left, groups = [int(body) for body in np.flatnonzero(self.turning) if body != self.hub], []
+        while left:
+            first = left[0]
+            size = self.bodies[first].n_coordinates
+            places = {}
+            for body in (each for each in left if self.bodies[each].n_coordinates == size):
+                turn = Rotation.from_matrix(placed.rotations[body] @ placed.rotations[first].T)
+                angle = float(turn.as_rotvec() @ self.spin.axis)
+                carried = point + turn.apply(placed.origins[first] - point)
+                off = float(np.linalg.norm(carried - placed.origins[body]))
+                about = np.linalg.norm(turn.as_rotvec() - angle * self.spin.axis)
+                if off < SAME_PLACE * length and about < SAME_PLACE:
+                    places[body] = angle % (2 * np.pi)
+            order = sorted(places, key=lambda body: places[body])
+            spaced = 2 * np.pi * np.arange(len(order)) / len(order)
+            apart = abs(np.array([places[body] for body in order]) - spaced)
+            if len(order) >= 3 and apart.max() < SAME_PLACE:
+                groups.append(order)
+                left = [each for each in left if each not in order]
+            else:
+                left = left[1:]
+        return groups
+
+    def axis_in_body(self, number: int) -> tuple[Array, Array]:
+        """Direction of the axis of rotation, and a point on it, in the axes of a body."""
+        rotation = self.found.configuration.rotations[number]
+        return rotation.T @ self.spin.axis, rotation.T @ (
+            self.spin.point - self.found.configuration.origins[number]
+        )
+
+    def turned(self, number: int, refusal: str = "") -> list[Any]:
+        """The equations at evenly spaced angles.
+
+        Raises ModelError, with a refusal, where the machine is not in equilibrium at one of them or beside.
+        """
+        angles = (2 * np.pi * np.arange(number) / number).tolist() + [BETWEEN] * bool(refusal)
+        each = [equations_turned_on(self.found, self.time, self.spin, angle) for angle in angles]
+        if refusal and max(one.unbalanced for one in each) > CONSTANT:
+            raise ModelError(refusal)
+        return [one.equations for one in each[:number]]
+
+    def constant(self, sampled: Sampled) -> LinearMachine | None:
+        """The machine in standing axes, from sampled equations; None if they vary in all coordinates.
+
+        Its `basis` maps to the coordinates of the samples.
+        """
+        return _constant(self, _seen_in_every_way(self, sampled))
 
 
 def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str) -> LinearMachine:
@@ -86,77 +165,55 @@ def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str)
     """
     if found.system.controllers:
         raise ModelError(refusal)
-    columns = BodyColumns(found.equations.slices, [placed.body for placed in found.system.bodies])
-    largest = max(map(len, _equal_bodies(found, spin, columns)), default=0)
+    machine = RotatingMachine(found, time, spin, [placed.body for placed in found.system.bodies])
     # A few angles suffice for constant equations; harmonics of varying ones need more.
-    for number in (FEW, max(SAMPLES, PER_BLADE * largest)):
-        sampled = _sampled(found, time, spin, number, refusal)
-        kept = _seen_in_every_way(found, spin, columns, sampled)
+    for number in (FEW, max(SAMPLES, PER_BLADE * max(map(len, machine.equal_bodies), default=0))):
+        equations = machine.turned(number, refusal)
+        sampled = Sampled(*(np.array([getattr(one, of) for one in equations]) for of in Sampled._fields))
+        kept = _seen_in_every_way(machine, sampled)
         if not kept:
             raise ModelError(refusal)
-        constant = _constant(kept)
-        if constant is not None:
-            return _machine(found, time, spin, constant, None)
-    _warn_of_cut_pairs(found, spin, columns)
-    return _machine(found, time, spin, kept[0], Periodic.of_samples(spin.rate, *kept[0].matrices))
+        if (constant := _constant(machine, kept)) is not None:
+            return constant
+    _warn_of_cut_pairs(machine)
+    return _linear(machine, kept[0], Periodic.of_samples(spin.rate, *kept[0].matrices))
 
 
-def _warn_of_cut_pairs(found: RestingState, spin: Spin, columns: BodyColumns) -> None:
+def _warn_of_cut_pairs(machine: RotatingMachine) -> None:
     """Warn of bodies whose basis has one of two equal modes; any other asymmetry lacks more copies."""
-    for number in map(int, np.flatnonzero(turning_bodies(found, spin))):
-        body, (axis, point) = columns.bodies[number], axis_in_body(found, spin, number)
-        if 0 < shapes_without_copy(body, axis, point) <= CUT:
+    for number in map(int, np.flatnonzero(machine.turning)):
+        if 0 < shapes_without_copy(machine.bodies[number], *machine.axis_in_body(number)) <= CUT:
             warnings.warn(
-                f"body '{body.name}': its mesh is symmetric about the axis of the spin, but its basis is "
-                "not: a pair of equal modes is cut. The equations are therefore periodic, without estimated "
-                "error and state space: keep one mode more, or one fewer",
+                f"body '{machine.found.system.bodies[number].body.name}': its mesh is symmetric about the "
+                "axis of the spin, but its basis is not: a pair of equal modes is cut. The equations are "
+                "therefore periodic, without estimated error and state space: keep one mode more, or one "
+                "fewer",
                 BasisWarning,
                 stacklevel=6,
             )
 
 
-def constant_in_standing_axes(
-    found: RestingState, time: float, spin: Spin, columns: BodyColumns, sampled: Sampled
-) -> LinearMachine | None:
-    """The machine in standing axes, from sampled equations; None if no coordinates make them constant.
-
-    Its `basis` maps to the coordinates of the samples.
-    """
-    constant = _constant(_seen_in_every_way(found, spin, columns, sampled))
-    return None if constant is None else _machine(found, time, spin, constant, None)
+def _constant(machine: RotatingMachine, kept: list[_Seen]) -> LinearMachine | None:
+    return next((_linear(machine, each, None) for each in kept if each.change < CONSTANT), None)
 
 
-def _constant(kept: list[_Seen]) -> _Seen | None:
-    return next((each for each in kept if each.change < CONSTANT), None)
-
-
-def _machine(
-    found: RestingState, time: float, spin: Spin, seen: _Seen, periodic: Periodic | None
-) -> LinearMachine:
-    mass, damping, stiffness = _without_noise([matrix.mean(axis=0) for matrix in seen.matrices], spin.rate)
+def _linear(machine: RotatingMachine, seen: _Seen, periodic: Periodic | None) -> LinearMachine:
+    mean = [matrix.mean(axis=0) for matrix in seen.matrices]
+    mass, damping, stiffness = _without_noise(mean, machine.spin.rate)
+    none = np.zeros((len(mass), 0))
     return LinearMachine(
-        system=placed_at_rest(found),
-        spin=spin,
-        time=time,
+        system=placed_at_rest(machine.found),
+        spin=machine.spin,
+        time=machine.time,
         mass=(mass + mass.T) / 2,
         damping=damping,
         stiffness=stiffness,
         basis=seen.motions,
         full_mass=seen.full_mass,
-        control=_no_control(len(mass)),
+        control=LinearControl(none, none.T, none.T, np.zeros((0, 0))),
         is_in_space=True,
         periodic=periodic,
     )
-
-
-def _sampled(found: RestingState, time: float, spin: Spin, number: int, refusal: str) -> Sampled:
-    angles = (2 * np.pi * np.arange(number) / number).tolist()
-    each = [equations_turned_on(found, time, spin, angle) for angle in angles]
-    between = equations_turned_on(found, time, spin, BETWEEN)
-    if max(one.unbalanced for one in (*each, between)) > CONSTANT:
-        raise ModelError(refusal)
-    equations: list[Any] = [one.equations for one in each]
-    return Sampled(*(np.array([getattr(one, name) for one in equations]) for name in Sampled._fields))
 
 
 class _Coordinates(NamedTuple):
@@ -190,26 +247,18 @@ class _Seen(NamedTuple):
     full_mass: Array
 
 
-def _seen_in_every_way(
-    found: RestingState, spin: Spin, columns: BodyColumns, sampled: Sampled
-) -> list[_Seen]:
-    """The machine in each set of coordinates in which joints leave the same motions free at all angles."""
-    ways = _ways(found, spin, columns, len(sampled.mass))
-    seen = (_seen(sampled, spin, coordinates) for coordinates in ways)
-    return [each for each in seen if each is not None]
+def _seen_in_every_way(machine: RotatingMachine, sampled: Sampled) -> list[_Seen]:
+    """The machine in each set of coordinates in which joints leave the same motions free at all angles.
 
-
-def _ways(found: RestingState, spin: Spin, columns: BodyColumns, number: int) -> Iterator[_Coordinates]:
-    """Coordinates to try, those most likely to give constant equations first."""
-    groups = _equal_bodies(found, spin, columns)
-    fine = number * -(-max(FINE, PER_BLADE * max(map(len, groups), default=0)) // number)
+    Coordinates most likely to give constant equations come first.
+    """
+    number, blades = len(sampled.mass), max(map(len, machine.equal_bodies), default=0)
+    fine = number * -(-max(FINE, PER_BLADE * blades) // number)
     angles = 2 * np.pi * np.arange(fine) / fine
-    hub = _hub_in_space(found, spin, columns, angles)
-    blades = _multi_blade(columns, groups, angles)
-    in_groups = [body for group in groups for body in group]
-    round_bodies = _round_bodies(found, spin, columns, in_groups, angles)
-    for W in (hub @ (blades @ round_bodies), hub @ blades, hub):
-        yield _Coordinates.of_fine(W, number)
+    hub, blades = _hub_in_space(machine, angles), _multi_blade(machine, angles)
+    ways = (hub @ (blades @ _round_bodies(machine, angles)), hub @ blades, hub)
+    seen = (_seen(sampled, machine.spin, _Coordinates.of_fine(W, number)) for W in ways)
+    return [each for each in seen if each is not None]
 
 
 def _seen(sampled: Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | None:
@@ -249,120 +298,53 @@ def _change(matrices: tuple[Array, Array, Array], rate: float) -> float:
     return float(max(np.max(each, initial=0.0) for each in changes))
 
 
-def _starts(columns: BodyColumns) -> Array:
-    return np.array([part.start for part in columns.slices])
-
-
-def _hub(found: RestingState, turning: Array) -> int:
-    """The rotating body connected by a joint, or else a force, to a standing part; by default the first."""
-    system = found.system
-    elements: list[Any] = [*system.joints, *(load for load in system.loads if hasattr(load, "second"))]
-    for element in sorted(elements, key=lambda each: not isinstance(each, Joint)):
-        ends = [
-            None if end == GROUND else system.body_index(end.body) for end in (element.first, element.second)
-        ]
-        moving = [end for end in ends if end is not None and turning[end]]
-        if len(moving) == 1:
-            return moving[0]
-    return int(np.argmax(turning))
-
-
-def _hub_in_space(found: RestingState, spin: Spin, columns: BodyColumns, angles: Array) -> Array:
+def _hub_in_space(machine: RotatingMachine, angles: Array) -> Array:
     """Map `S` (s, n, n) to the motions of rotating bodies from the hub's twist and motions relative to it.
 
     The twist of the hub is that of a point on the axis, in standing axes.
     """
-    turning, starts = turning_bodies(found, spin), _starts(columns)
-    n = columns.slices[-1].stop
-    with_hub, configuration = np.zeros((n, 6)), found.configuration
-    for body in np.flatnonzero(turning):
-        axes, arm = configuration.rotations[body].T, configuration.origins[body] - spin.point
-        start = starts[body]
-        with_hub[start : start + 3, :3] = with_hub[start + 3 : start + 6, 3:] = axes
-        with_hub[start : start + 3, 3:] = -axes @ cross_matrix(arm)
+    slices, placed, spin = machine.slices, machine.found.configuration, machine.spin
+    n, bodies = slices[-1].stop, map(int, np.flatnonzero(machine.turning))
+    with_hub = rigid_motions(
+        n, ((slices[i].start, placed.rotations[i], placed.origins[i] - spin.point) for i in bodies)
+    )
     back = Rotation.from_rotvec(-angles[:, None] * spin.axis).as_matrix()
     S = np.tile(np.eye(n), (len(angles), 1, 1))
-    hub = starts[_hub(found, turning)] + np.arange(6)
+    hub = slices[machine.hub].start + np.arange(6)
     S[:, :, hub[:3]] = with_hub[:, :3] @ back
     S[:, :, hub[3:]] = with_hub[:, 3:] @ back
     return S
 
 
-def _equal_bodies(found: RestingState, spin: Spin, columns: BodyColumns) -> list[list[int]]:
-    """Groups of three or more rotating bodies with equally many coordinates, evenly spaced, by angle."""
-    turning, configuration = turning_bodies(found, spin), found.configuration
-    hub, slices = _hub(found, turning), columns.slices
-    length = float(found.equations.model.length)
-    left, groups = [int(body) for body in np.flatnonzero(turning) if body != hub], []
-    while left:
-        first = left[0]
-        alike = [each for each in left if _length(slices[each]) == _length(slices[first])]
-        places = {}
-        for body in alike:
-            turn = Rotation.from_matrix(configuration.rotations[body] @ configuration.rotations[first].T)
-            angle = float(turn.as_rotvec() @ spin.axis)
-            carried = spin.point + turn.apply(configuration.origins[first] - spin.point)
-            off = float(np.linalg.norm(carried - configuration.origins[body]))
-            about = np.linalg.norm(turn.as_rotvec() - angle * spin.axis)
-            if off < SAME_PLACE * length and about < SAME_PLACE:
-                places[body] = angle % (2 * np.pi)
-        order = sorted(places, key=lambda body: places[body])
-        spaced = 2 * np.pi * np.arange(len(order)) / len(order)
-        apart = abs(np.array([places[body] for body in order]) - spaced)
-        if len(order) >= 3 and apart.max() < SAME_PLACE:
-            groups.append(order)
-            left = [each for each in left if each not in order]
-        else:
-            left = left[1:]
-    return groups
-
-
-def _round_bodies(
-    found: RestingState, spin: Spin, columns: BodyColumns, blades: list[int], angles: Array
-) -> Array:
+def _round_bodies(machine: RotatingMachine, angles: Array) -> Array:
     """Map (s, n, n) to the motions of bodies with cyclic symmetry, in own axes, from standing axes."""
-    turning = turning_bodies(found, spin)
-    hub, slices = _hub(found, turning), columns.slices
-    T = np.tile(np.eye(slices[-1].stop), (len(angles), 1, 1))
-    for number in map(int, np.flatnonzero(turning)):
-        if number in blades:
-            continue
-        axis, point = axis_in_body(found, spin, number)
-        generator = turn_generator(columns.bodies[number], axis, point)
+    T = np.tile(np.eye(machine.slices[-1].stop), (len(angles), 1, 1))
+    blades = {body for group in machine.equal_bodies for body in group}
+    for number in (int(each) for each in np.flatnonzero(machine.turning) if each not in blades):
+        axis, point = machine.axis_in_body(number)
+        generator = turn_generator(machine.bodies[number], axis, point)
         if generator is None:
             continue
-        start = slices[number].start
-        back = Rotation.from_rotvec(-angles[:, None] * axis).as_matrix()
-        if number != hub:
-            T[:, start : start + 3, start : start + 3] = T[
-                :, start + 3 : start + 6, start + 3 : start + 6
-            ] = back
-        own = slice(start + 6, slices[number].stop)
+        start = machine.slices[number].start
+        if number != machine.hub:
+            back = Rotation.from_rotvec(-angles[:, None] * axis).as_matrix()
+            for part in (slice(start, start + 3), slice(start + 3, start + 6)):
+                T[:, part, part] = back
+        own = slice(start + 6, machine.slices[number].stop)
         T[:, own, own] = scipy.linalg.expm(-angles[:, None, None] * generator)
     return T
 
 
-def axis_in_body(found: RestingState, spin: Spin, number: int) -> tuple[Array, Array]:
-    """Direction of the axis of rotation, and a point on it, in the axes of a body."""
-    rotation = found.configuration.rotations[number]
-    return rotation.T @ spin.axis, rotation.T @ (spin.point - found.configuration.origins[number])
-
-
-def _length(part: slice) -> int:
-    return part.stop - part.start
-
-
-def _multi_blade(columns: BodyColumns, groups: list[list[int]], angles: Array) -> Array:
+def _multi_blade(machine: RotatingMachine, angles: Array) -> Array:
     """Map `T` (s, n, n) to the coordinates of equal bodies from multi-blade coordinates.
 
     The multi-blade coordinates have the positions of the bodies' coordinates.
     """
-    n = columns.slices[-1].stop
-    T = np.tile(np.eye(n), (len(angles), 1, 1))
-    for group in groups:
-        parts = [columns.slices[body] for body in group]
+    T = np.tile(np.eye(machine.slices[-1].stop), (len(angles), 1, 1))
+    for group in machine.equal_bodies:
+        parts = [machine.slices[body] for body in group]
         waves = _waves(len(group), angles)
-        own = np.eye(_length(parts[0]))
+        own = np.eye(parts[0].stop - parts[0].start)
         for row, part in enumerate(parts):
             for column, other in enumerate(parts):
                 T[:, part, other] = waves[:, row, column, None, None] * own
@@ -372,13 +354,9 @@ def _multi_blade(columns: BodyColumns, groups: list[list[int]], angles: Array) -
 def _waves(number: int, angles: Array) -> Array:
     """Coefficients (s, N, N) of a_0, a_1, b_1, a_2, .. in each body's coordinate."""
     at = angles[:, None] + 2 * np.pi * np.arange(number) / number
-    columns: list[Any] = [np.ones_like(at)]
+    columns = [np.ones_like(at)]
     for order in range(1, (number - 1) // 2 + 1):
         columns += [np.cos(order * at), np.sin(order * at)]
     if number % 2 == 0:
         columns.append(np.tile((-1.0) ** np.arange(number), (len(angles), 1)))
     return np.stack(columns, axis=2)
-
-
-def _no_control(size: int) -> LinearControl:
-    return LinearControl(np.zeros((size, 0)), np.zeros((0, size)), np.zeros((0, size)), np.zeros((0, 0)))

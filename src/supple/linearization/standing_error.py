@@ -14,7 +14,7 @@ Source: [Voss2004], as for `slowest_motions`.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -25,19 +25,11 @@ from scipy.sparse.linalg import splu
 from supple.body import FullBody, frame_projector
 from supple.errors import AccuracyError
 from supple.linearization.axisymmetry import waves_around
-from supple.linearization.linear_machine import Array, LinearMachine
+from supple.linearization.linear_machine import Array, LinearMachine, mass_squares
 from supple.linearization.sparse_machine import SparseMachine
-from supple.linearization.standing_axes import (
-    FEW,
-    BodyColumns,
-    Sampled,
-    axis_in_body,
-    constant_in_standing_axes,
-)
-from supple.machine import Spin
+from supple.linearization.standing_axes import FEW, RotatingMachine, Sampled
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.resting_state import RestingState
-from supple.simulation.turned_machine import equations_turned_on
 
 __all__ = ["StandingTurn", "slowest_in_standing_axes"]
 
@@ -70,24 +62,23 @@ class _Shapes(NamedTuple):
 class StandingTurn:
     """A machine with unreduced bodies at several angles of its rotation, for equations in standing axes.
 
-    found : RestingState        its equilibrium
+    machine : RotatingMachine   with unreduced bodies, at its equilibrium
     fulls, vectors : by name    the full body of each reduced one, and the columns (n, r) of its basis
     """
 
-    found: RestingState
-    time: float
-    spin: Spin
+    machine: RotatingMachine
     fulls: Mapping[str, FullBody]
     vectors: Mapping[str, Array]
+
+    @property
+    def found(self) -> RestingState:
+        """The equilibrium."""
+        return self.machine.found
 
     @cached_property
     def turned(self) -> list[SparseEquations]:
         """The equations at evenly spaced angles."""
-        angles = (2 * np.pi * np.arange(FEW) / FEW).tolist()
-        every: list[Any] = [
-            equations_turned_on(self.found, self.time, self.spin, a).equations for a in angles
-        ]
-        return every
+        return self.machine.turned(FEW)
 
     def along(self, vectors: Mapping[str, Array]) -> LinearMachine:
         """The machine with bodies reduced to given bases; `basis` of the result maps to these coordinates.
@@ -103,24 +94,18 @@ class StandingTurn:
             stiffness=np.array([motions.T @ (each.stiffness @ motions) for each in self.turned]),
             constraint=np.array([(each.constraint @ motions)[:joints] for each in self.turned]),
         )
-        machine = constant_in_standing_axes(self.found, self.time, self.spin, self._columns(vectors), sampled)
+        shapes = {
+            name: _Shapes(full.nodes, full.body.expansion @ vectors[name])
+            for name, full in self.fulls.items()
+        }
+        bodies = [shapes.get(placed.body.name, placed.body) for placed in self.found.system.bodies]
+        machine = replace(self.machine, bodies=bodies).constant(sampled)
         if machine is None:
             raise AccuracyError(
                 "with all coordinates of its bodies the machine has no constant equations in standing "
                 "axes: the error of the bases is not known; skip its estimate, fulls=()"
             )
         return machine
-
-    def _columns(self, vectors: Mapping[str, Array]) -> BodyColumns:
-        slices, bodies, start = [], [], 0
-        for placed in self.found.system.bodies:
-            body: Any = placed.body
-            if body.name in vectors:
-                body = _Shapes(body.nodes, self.fulls[body.name].body.expansion @ vectors[body.name])
-            slices.append(slice(start, start + 6 + body.n_coordinates))
-            bodies.append(body)
-            start = slices[-1].stop
-        return BodyColumns(slices, bodies)
 
     def enlarged(self, vectors: Mapping[str, Array], responses: Array) -> dict[str, Array]:
         """The bases, extended by the parts of responses (N, k) of unreduced bodies outside them."""
@@ -138,8 +123,8 @@ class StandingTurn:
     def _with(self, name: str, basis: Array, added: Array) -> Array:
         full = self.fulls[name]
         body, T = full.body, full.body.expansion
-        number = [placed.body.name for placed in self.found.system.bodies].index(name)
-        nodal = waves_around(full.nodes, T @ added, *axis_in_body(self.found, self.spin, number))
+        around = self.machine.axis_in_body(self.found.system.body_index(name))
+        nodal = waves_around(full.nodes, T @ added, *around)
         added = frame_projector(body, full.frame)(splu(csc_array(T.T @ T)).solve(T.T @ nodal))
         weight = basis.T @ (body.mass @ basis)
         for _ in range(2):
@@ -198,7 +183,7 @@ def slowest_in_standing_axes(
         motions = np.hstack([shapes.real, shapes.imag])
         equations, factor = machine.equations, machine.slow.factor
         responses = factor.solve(np.hstack([equations.mass @ motions, equations.damped(motions)]))
-        norms = np.sqrt(np.einsum("ij,ij->j", responses, equations.mass @ responses))
+        norms = np.sqrt(mass_squares(responses, equations.mass))
         vectors = turn.enlarged(vectors, responses[:, norms > 0] / norms[norms > 0])
     raise AccuracyError(
         f"the modes with all coordinates have not converged in standing axes after {ROUNDS} rounds: the "

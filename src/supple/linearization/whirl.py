@@ -7,11 +7,11 @@ frequencies w + W and w - W.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from supple.linearization.linear_machine import LinearMachine
+from supple.linearization.linear_machine import LinearMachine, rigid_motions
 from supple.linearization.machine_modes import MachineModes
 from supple.machine import Placed
 
@@ -76,15 +76,10 @@ def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
     first = np.cross(axis, np.eye(3)[np.argmin(abs(axis))])
     first = first / np.linalg.norm(first)
     directions = np.array([first, np.cross(axis, first)])
-    names = None if spin.bodies is None else set(spin.bodies)
-    starts = np.cumsum([0, *(6 + placed.body.n_coordinates for placed in machine.system.bodies)])
-    bodies = list(zip(machine.system.bodies, starts[:-1], strict=True))
-    turning = [(placed, start) for placed, start in bodies if names is None or placed.body.name in names]
-    rigid = np.zeros((len(shapes), 6))
-    for placed, start in turning:
-        axes, arm = placed.rotation.T, placed.position - spin.point
-        rigid[start : start + 3, :3] = rigid[start + 3 : start + 6, 3:] = axes
-        rigid[start : start + 3, 3:] = np.cross(arm, axes)
+    bodies = zip(machine.system.bodies, machine.slices, strict=True)
+    turning = [each for each in bodies if spin.bodies is None or each[0].body.name in spin.bodies]
+    frames = ((own.start, placed.rotation, placed.position - spin.point) for placed, own in turning)
+    rigid = rigid_motions(len(shapes), frames)
     # Columns: translation along both, rotation about both.
     whole = np.hstack([rigid[:, :3] @ directions.T, rigid[:, 3:] @ directions.T])
     squares = np.einsum("nj,nj->j", whole, machine.full_mass @ whole)
@@ -96,7 +91,7 @@ def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
     return found[0], found[1]
 
 
-def _on_axis(machine: LinearMachine, placed: Placed, shapes: Any, directions: Array) -> Array:
+def _on_axis(machine: LinearMachine, placed: Placed, shapes: Array, directions: Array) -> Array:
     """Motions (2, p, k) of a body's interfaces on the axis, each times the square root of mass / p."""
     spin, body = machine.spin, placed.body
     assert spin is not None
@@ -106,8 +101,7 @@ def _on_axis(machine: LinearMachine, placed: Placed, shapes: Any, directions: Ar
     ends = [end.name for end, apart in zip(body.interfaces, off, strict=True) if apart < ON_AXIS * size]
     if not ends:
         return np.zeros((2, 0, shapes.shape[1]))
-    rates = np.concatenate([shapes.real.T, shapes.imag.T])
-    motion = machine.motion_near(np.zeros_like(rates), rates).bodies[body.name]
+    motion = machine.moving_at(np.concatenate([shapes.real.T, shapes.imag.T])).bodies[body.name]
     moved = np.array([body.interface_motion(motion, end).velocity @ directions.T for end in ends])
     real, imaginary = np.split(moved.transpose(2, 0, 1), 2, axis=2)
     return np.sqrt(body.mass / len(ends)) * (real + 1j * imaginary)
