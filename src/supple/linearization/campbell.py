@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts are imported when first used
@@ -73,7 +73,7 @@ class CampbellDiagram(Summarized):
     """
 
     rates: Array
-    eigenvalues: Any
+    eigenvalues: np.ndarray
     likeness: Array
     errors: Array | None = None
     axes: str = STANDING

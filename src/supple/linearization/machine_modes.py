@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -12,9 +10,9 @@ import scipy.linalg
 from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, FullMachine, LinearMachine, mass_squares
-from supple.linearization.mode_error import ModeError, mode_error
+from supple.linearization.mode_error import MORE, ModeError, mode_error
 from supple.linearization.periodic import floquet_modes
-from supple.linearization.slowest_motions import slowest_motions
+from supple.linearization.slowest_motions import Pairs, slowest_motions
 from supple.linearization.sparse_machine import SparseMachine, slow_first
 from supple.linearization.standing_error import slowest_in_standing_axes
 from supple.summary import Summarized, Summary
@@ -57,9 +55,9 @@ class MachineModes(Summarized):
     """
 
     machine: LinearMachine
-    eigenvalues: Any
-    independent: Any
-    states: Any
+    eigenvalues: np.ndarray
+    independent: np.ndarray
+    states: np.ndarray
     error: ModeError | None = None
 
     def summary(self) -> Summary:
@@ -157,12 +155,13 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     modes = MachineModes(machine, values, y * turned, z * turned)
     if machine.full is None or n_modes is None:
         return modes
-    error = mode_error(machine.full, values, modes.shapes, _slowest_of(machine.full))
+    exact, motions = _in_all_coordinates(machine.full, len(values) + MORE)
+    error = mode_error(machine.full, values, modes.shapes, exact, motions)
     error.warn(values)
     return replace(modes, error=error)
 
 
-def _floquet(machine: LinearMachine, n_modes: int | None) -> tuple[Any, Any, Any]:
+def _floquet(machine: LinearMachine, n_modes: int | None) -> Pairs:
     """Eigenvalues, motions (k, ..) of the harmonic with most of the motion, and no states, slowest first."""
     assert machine.periodic is not None
     graded = _slow_first(machine)
@@ -172,22 +171,17 @@ def _floquet(machine: LinearMachine, n_modes: int | None) -> tuple[Any, Any, Any
     return found.eigenvalues, y / np.where(sizes > 0, sizes, 1.0), np.zeros((0, y.shape[1]))
 
 
-def _slowest_of(full: FullMachine) -> Callable[[SparseMachine, int], tuple[Any, Any]]:
-    """Function for the slowest modes of the full machine, in the axes of the reduced machine."""
-    standing = full.standing
-    if standing is None:
-        return _slowest
-    return lambda machine, n_modes: slowest_in_standing_axes(machine, standing, n_modes, _pairs)
-
-
-def _slowest(machine: SparseMachine, n_modes: int) -> tuple[Any, Any]:
-    """Eigenvalues and shapes (n, k) of the slowest modes of a machine with full bodies."""
+def _in_all_coordinates(full: FullMachine, n_modes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues and shapes (n, k) of the slowest modes, of a small machine all, in the axes of `full`."""
+    machine, n_modes = full.machine, min(n_modes, full.machine.size)
+    if full.standing is not None:
+        return slowest_in_standing_axes(machine, full.standing, n_modes, _pairs)
     along = machine.along(slowest_motions(machine, n_modes, _pairs))
     values, y, _ = _pairs(along)
     return values[:n_modes], along.basis @ y[:, :n_modes]
 
 
-def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
+def _pairs(machine: LinearMachine) -> Pairs:
     """Eigenvalues, motions (k, ..) of unit kinetic energy norm and states of controllers, slowest first."""
     k = machine.size
     graded, free = _free_apart(machine, _slow_first(machine))
@@ -207,9 +201,6 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     balanced, (factors, _) = scipy.linalg.matrix_balance(
         state[np.ix_(kept, kept)], permute=False, separate=True
     )
-    values: Any
-    left: Any
-    found: Any
     values, left, found = scipy.linalg.eig(balanced, left=True)
     scales, right = np.full(len(state), _FREE_SCALE), np.zeros((len(state), len(values)), dtype=complex)
     scales[kept], right[kept] = factors, found
@@ -221,7 +212,7 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     still = np.linalg.norm(vectors[: 2 * k], axis=0) < _MOTIONLESS
     vectors = scales[:, None] * vectors
     # Among modes equally slow within rounding, growing ones come first.
-    order = np.lexsort((-values.real, [float(f"{size:.8g}") for size in abs(values)]))
+    order = np.lexsort((-values.real, np.array([float(f"{size:.8g}") for size in abs(values)])))
     values, vectors, still = values[order], vectors[:, order], still[order]
     y = graded @ scipy.linalg.solve_triangular(lower.T, np.where(still, 0.0, vectors[:k]))
     sizes = np.sqrt(mass_squares(y, machine.mass))
@@ -235,7 +226,7 @@ def _slow_first(machine: LinearMachine) -> Array:
     return slow_first(machine.mass, machine.stiffness, square)
 
 
-def _is_rigid(machine: LinearMachine, values: Any, motions: Any) -> np.ndarray:
+def _is_rigid(machine: LinearMachine, values: np.ndarray, motions: np.ndarray) -> np.ndarray:
     """Whether inertia, damping and stiffness terms of motions (k, ..) are all rounding of large terms.
 
     Beside a spring of stiffness k, a free motion has a rounding error of `eps k` in its stiffness; its
@@ -251,7 +242,7 @@ def _is_rigid(machine: LinearMachine, values: Any, motions: Any) -> np.ndarray:
     return (rounding > 0) & (left < _ROUNDING * np.finfo(float).eps * rounding)
 
 
-def _state_matrix(machine: LinearMachine, lower: Any) -> tuple[Array, float]:
+def _state_matrix(machine: LinearMachine, lower: Array) -> tuple[Array, float]:
     """State matrix of `(u y, y', z)`, y in the mass norm, and u.
 
     u is a typical frequency, with which motions and velocities are of similar size.
@@ -275,7 +266,7 @@ def _state_matrix(machine: LinearMachine, lower: Any) -> tuple[Array, float]:
     return np.block(rows), unit
 
 
-def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
+def _is_zero(values: np.ndarray, left: np.ndarray, right: np.ndarray, unit: float) -> np.ndarray:
     """Whether eigenvalues are zero within rounding.
 
     A rounding error e of the matrix changes an eigenvalue by e / `|w^H v|`, with the left and right unit
@@ -330,7 +321,9 @@ def _is_free(machine: LinearMachine, graded: Array) -> np.ndarray:
     return forces.all(axis=0) & readings.all(axis=0)
 
 
-def _one_of_each(values: Any, vectors: Any, scales: Array, free: np.ndarray) -> tuple[Any, Any]:
+def _one_of_each(
+    values: np.ndarray, vectors: np.ndarray, scales: Array, free: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The eigenvalue of each conjugate pair above the real axis; as many zeros as independent vectors.
 
     Each free rigid motion has two poles at zero, of position and rate: they count as one mode. The motions

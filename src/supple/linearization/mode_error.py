@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy  # its parts are imported when first used
 
 from supple.errors import BasisWarning
 from supple.linearization.linear_machine import FullMachine, likeness
-from supple.linearization.sparse_machine import SparseMachine
 from supple.simulation.equilibrium import LARGEST_ERROR, REMEDY
 
-__all__ = ["ModeError", "mode_error"]
+__all__ = ["MORE", "ModeError", "mode_error"]
 
 MORE = 4
 """Number of modes of the full machine that are computed for matching, in addition to those to be matched."""
@@ -38,12 +36,12 @@ class ModeError:
     fields : (n, j), by body        deformation of the full machine's modes, matched and missed
     """
 
-    eigenvalues: Any
+    eigenvalues: np.ndarray
     relative: np.ndarray
-    missed: Any
+    missed: np.ndarray
     fields: Mapping[str, np.ndarray]
 
-    def warn(self, values: Any) -> None:
+    def warn(self, values: np.ndarray) -> None:
         """BasisWarning of modes that are off by 1 % or more, and of missing modes."""
         messages = [
             f"mode {number + 1} is off by {100 * self.relative[number]:.2g} %"
@@ -62,18 +60,17 @@ class ModeError:
 
 def mode_error(
     full: FullMachine,
-    values: Any,
-    shapes: Any,
-    slowest: Callable[[SparseMachine, int], tuple[Any, Any]],
+    values: np.ndarray,
+    shapes: np.ndarray,
+    exact: np.ndarray,
+    motions: np.ndarray,
 ) -> ModeError:
     """Errors of the slowest modes, by comparison with those of the full machine.
 
     values, shapes : eigenvalues (k,) and shapes (n, k) of the reduced machine
-    slowest : function for eigenvalues and shapes of the slowest modes of a machine with full bodies
+    exact, motions : eigenvalues and shapes of the full one, with `MORE` modes, or all of a small machine
     Modes are matched by the highest MAC; among similar shapes, by the nearest frequency.
     """
-    number = min(len(values) + MORE, full.machine.size)  # all for a small machine
-    exact, motions = slowest(full.machine, number)
     alike = likeness(full.expansion @ shapes, motions, full.machine.equations.mass)
     largest = max(float(abs(exact).max(initial=0.0)), 1e-300)
     apart = abs(values[:, None] - exact) / (abs(values)[:, None] + abs(exact) + STILL * largest)

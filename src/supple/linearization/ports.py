@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from supple.body import InterfaceMotion
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.machine import GROUND, At, as_end
@@ -28,8 +28,49 @@ class Port(Protocol):
         ...
 
 
+class _EndPort:
+    """A motion of an interface along or about a vector."""
+
+    at: At | Any
+    against: At | Any
+    _vector: ClassVar[str]
+    """Name of the field with the vector"""
+    _word: ClassVar[str]
+    _rate: ClassVar[str]
+    """Name of the rate in an `InterfaceMotion`"""
+
+    def __post_init__(self) -> None:
+        at = as_end(self.at)
+        if at == GROUND:
+            raise ModelError(
+                "a port on the ground does not move: give an interface of a body. For a ground that "
+                "accelerates take BaseAccelerationPort(direction) as input"
+            )
+        unit = checked_direction(f"{self._vector} of the port at '{at}'", getattr(self, self._vector))
+        for name, value in (("at", at), ("against", as_end(self.against)), (self._vector, unit)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def label(self) -> str:
+        """Label of the interface and the vector."""
+        against = "" if self.against == GROUND else f" against {self.against}"
+        return f"{self.at} {self._word} {direction_text(getattr(self, self._vector))}{against}"
+
+    def row(self, machine: LinearMachine) -> Array:
+        """`b` (k,), `b y` in units of length, or in rad."""
+        motion = self._rates(machine, self.at)
+        if self.against != GROUND:
+            motion = motion - self._rates(machine, self.against)
+        return np.asarray(getattr(self, self._vector)) @ motion.T
+
+    def _rates(self, machine: LinearMachine, at: At) -> Array:
+        """Rates (k, 3) of an interface for unit rate of each independent coordinate, global."""
+        body = machine.system.placed(at.body, "port").body
+        return getattr(body.interface_motion(machine.unit_rates.bodies[at.body], at.interface), self._rate)
+
+
 @dataclass(frozen=True)
-class TranslationPort:
+class TranslationPort(_EndPort):
     """Displacement of an interface along a direction; as input, a force along it.
 
     at : At | "BODY.INTERFACE"
@@ -37,25 +78,15 @@ class TranslationPort:
     against : the end relative to which the motion is measured; the opposite force acts on it
     """
 
+    _vector, _word, _rate = "direction", "along", "velocity"
+
     at: At | Any
     direction: tuple[float, float, float]
     against: At | Any = GROUND
 
-    def __post_init__(self) -> None:
-        _check(self, "direction")
-
-    @property
-    def label(self) -> str:
-        """Label of the interface and the direction."""
-        return f"{self.at} along {direction_text(self.direction)}{_against(self)}"
-
-    def row(self, machine: LinearMachine) -> Array:
-        """`b` (k,), `b y` in units of length."""
-        return _row(machine, self, self.direction, "velocity")
-
 
 @dataclass(frozen=True)
-class RotationPort:
+class RotationPort(_EndPort):
     """Rotation of an interface about an axis; as input, a moment about it.
 
     The motor of a joint is a port on the joint's second end against its first end, about the joint's axis.
@@ -65,36 +96,14 @@ class RotationPort:
     against : the end relative to which the motion is measured; the opposite moment acts on it
     """
 
+    _vector, _word, _rate = "axis", "about", "angular_velocity"
+
     at: At | Any
     axis: tuple[float, float, float]
     against: At | Any = GROUND
 
-    def __post_init__(self) -> None:
-        _check(self, "axis")
 
-    @property
-    def label(self) -> str:
-        """Label of the interface and the axis."""
-        return f"{self.at} about {direction_text(self.axis)}{_against(self)}"
-
-    def row(self, machine: LinearMachine) -> Array:
-        """`b` (k,), `b y` in rad."""
-        return _row(machine, self, self.axis, "angular_velocity")
-
-
-def _check(port: Any, name: str) -> None:
-    at, given = as_end(port.at), getattr(port, name)
-    if at == GROUND:
-        raise ModelError(
-            "a port on the ground does not move: give an interface of a body. For a ground that accelerates "
-            "take BaseAccelerationPort(direction) as input"
-        )
-    object.__setattr__(port, "at", at)
-    object.__setattr__(port, "against", as_end(port.against))
-    object.__setattr__(port, name, checked_direction(f"{name} of the port at '{at}'", given))
-
-
-def checked_direction(what: str, given: Any) -> tuple[float, float, float]:
+def checked_direction(what: str, given: ArrayLike) -> tuple[float, float, float]:
     """A unit vector; ModelError unless three finite numbers are given that are not all zero."""
     vector = np.array(given, dtype=float)
     if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
@@ -110,20 +119,3 @@ def direction_text(vector: tuple[float, float, float]) -> str:
             if np.allclose(vector, -axis if sign else axis):
                 return sign + name
     return "(" + ", ".join(f"{part:.4g}" for part in vector) + ")"
-
-
-def _against(port: Any) -> str:
-    return "" if port.against == GROUND else f" against {port.against}"
-
-
-def _row(machine: LinearMachine, port: Any, along: tuple[float, float, float], of: str) -> Array:
-    motion = getattr(_rates(machine, port.at), of)
-    if port.against != GROUND:
-        motion = motion - getattr(_rates(machine, port.against), of)
-    return np.asarray(along) @ motion.T
-
-
-def _rates(machine: LinearMachine, at: At) -> InterfaceMotion:
-    """Motion of an interface for unit rate of each independent coordinate, (k, ...), global."""
-    body = machine.system.placed(at.body, "port").body
-    return body.interface_motion(machine.unit_rates.bodies[at.body], at.interface)

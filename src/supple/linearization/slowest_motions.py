@@ -14,15 +14,15 @@ Source: [Voss2004].
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
 from supple.errors import AccuracyError, ModelError
-from supple.linearization.linear_machine import Array, mass_squares
+from supple.linearization.linear_machine import Array, LinearMachine, mass_squares
 from supple.linearization.sparse_machine import LARGEST_DENSE, SlowMotions, SparseMachine
 
-__all__ = ["slowest_motions"]
+__all__ = ["Pairs", "slowest_motions"]
 
 _GUARD = 4
 """Number of modes computed in addition to the requested ones, so that none of the latter is missed."""
@@ -41,13 +41,16 @@ _NEW = 1e-5
 rounding."""
 
 
-def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) -> Array:
+Pairs = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Eigenvalues, motions (k, ..) of unit kinetic energy and states of controllers of modes, slowest first."""
+
+
+def slowest_motions(
+    machine: SparseMachine, n_modes: int | None, modes_of: Callable[[LinearMachine], Pairs]
+) -> Array:
     """Motions (n, k), mass-orthonormal, whose span contains the slowest modes.
 
     For a small machine, they may be all motions.
-
-    modes_of : function that returns eigenvalues, coordinates and controller states of the modes of a
-        `LinearMachine`, slowest first
 
     Raises
     ------
@@ -90,7 +93,9 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
     )
 
 
-def _left_over(machine: SparseMachine, slow: SlowMotions, values: Any, shapes: Any, states: Any) -> Any:
+def _left_over(
+    machine: SparseMachine, slow: SlowMotions, values: np.ndarray, shapes: np.ndarray, states: np.ndarray
+) -> np.ndarray:
     """`t = x + K(z)^-1 ( ( (s^2 - z^2) M + (s - z) C ) x - H c )`, complex (n, k), of shapes of unit size.
 
     states : c, of the controllers

@@ -26,6 +26,7 @@ from supple.body import FullBody, frame_projector
 from supple.errors import AccuracyError
 from supple.linearization.axisymmetry import waves_around
 from supple.linearization.linear_machine import Array, LinearMachine, mass_squares
+from supple.linearization.slowest_motions import Pairs
 from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.standing_axes import FEW, RotatingMachine, Sampled
 from supple.methods.floating.full.linear_equations import SparseEquations
@@ -163,12 +164,11 @@ def slowest_in_standing_axes(
     machine: SparseMachine,
     turn: StandingTurn,
     n_modes: int,
-    modes_of: Callable[[LinearMachine], tuple[Any, Any, Any]],
-) -> tuple[Any, Any]:
+    modes_of: Callable[[LinearMachine], Pairs],
+) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues and shapes (N, k) at the first angle of the slowest modes, with unreduced bodies.
 
     machine : the same machine in co-rotating axes, whose factorisation at a shift is used for the responses
-    modes_of : function for eigenvalues and coordinates of the modes of a `LinearMachine`, slowest first
     Raises AccuracyError for modes that do not converge, or equations that are not constant.
     """
     vectors, before = turn.vectors, np.zeros(0)

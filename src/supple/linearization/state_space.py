@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import scipy  # its parts are imported when first used
 
 from supple.arguments import check_sequence
-from supple.equations.control_linearization import LinearControl
 from supple.errors import ModelError
 from supple.linearization.base_motion import BaseAccelerationPort
 from supple.linearization.linear_machine import Array, LinearMachine
@@ -42,6 +40,9 @@ class Velocity(_Derivative):
 
 class Acceleration(_Derivative):
     """The second derivative of a port's motion, as output, in the axes of `Velocity`."""
+
+
+Output = Port | Velocity | Acceleration
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +82,7 @@ def state_space(
     machine: LinearMachine | SparseMachine,
     *,
     inputs: Sequence[Port],
-    outputs: Sequence[Port | Velocity | Acceleration],
+    outputs: Sequence[Output],
 ) -> StateSpace:
     """The linearised machine between forces at some ports and motions at others.
 
@@ -122,7 +123,7 @@ def state_space(
         rows.append(row)
         through.append(feed + _of_base(output, inputs))
     return StateSpace(
-        a=np.vstack([np.eye(k, 2 * k + control.size, k), acceleration, _rates(control)]),
+        a=np.vstack([np.eye(k, 2 * k + control.size, k), acceleration, np.hstack(control[1:])]),
         b=np.vstack([np.zeros_like(by_force), by_force, np.zeros((control.size, by_force.shape[1]))]),
         c=np.array(rows),
         d=np.array(through),
@@ -132,26 +133,22 @@ def state_space(
     )
 
 
-def _drifts(machine: LinearMachine, pushed: Array, outputs: Sequence[Any]) -> Array:
+def _drifts(machine: LinearMachine, pushed: Array, outputs: Sequence[Output]) -> Array:
     """Whether inputs (k, ni) accelerate outputs along free motions.
 
     False for machines with controllers or in rotation, whose forces may balance the input in motion.
     """
     if machine.system.controllers or (machine.spin is not None and machine.spin.rate):
         return np.zeros((len(outputs), pushed.shape[1]), dtype=bool)
-    seen = np.array([getattr(output, "of", output).row(machine) for output in outputs])
+    ports = [output.of if isinstance(output, _Derivative) else output for output in outputs]
+    seen = np.array([port.row(machine) for port in ports])
     lower = np.linalg.cholesky(machine.mass)
     sizes = [np.linalg.norm(np.linalg.solve(lower, each), axis=0) for each in (seen.T, pushed)]
     free = free_motions(machine)
     return abs(seen @ free @ (free.T @ pushed)) > _COUPLED * np.outer(*sizes)
 
 
-def _rates(control: LinearControl) -> Array:
-    """Matrix from all states to the rates of the controllers' states."""
-    return np.hstack([control.by_position, control.by_velocity, control.by_state])
-
-
-def _of_base(output: Port | Velocity | Acceleration, inputs: Sequence[Port]) -> Array:
+def _of_base(output: Output, inputs: Sequence[Port]) -> Array:
     """Share (ni,) of each input in an absolute acceleration beside the motion relative to the base."""
     along = np.zeros(3)
     if isinstance(output, Acceleration) and isinstance(output.of, TranslationPort):
@@ -161,15 +158,11 @@ def _of_base(output: Port | Velocity | Acceleration, inputs: Sequence[Port]) -> 
     )
 
 
-def _row(machine: LinearMachine, output: Any, acceleration: Array, by_force: Array) -> tuple[Array, Array]:
+def _row(machine: LinearMachine, output: Output, acceleration: Array, by_force: Array) -> tuple[Array, Array]:
     """Rows of C (m,) and D (ni,) for an output."""
-    silent = np.zeros(by_force.shape[1])
+    own = (output.of if isinstance(output, _Derivative) else output).row(machine)
     if isinstance(output, Acceleration):
-        own = output.of.row(machine)
         return own @ acceleration, own @ by_force
-    row, k = np.zeros(acceleration.shape[1]), machine.size
-    if isinstance(output, Velocity):
-        row[k : 2 * k] = output.of.row(machine)
-    else:
-        row[:k] = output.row(machine)
-    return row, silent
+    before = np.zeros(machine.size if isinstance(output, Velocity) else 0)
+    row = np.concatenate([before, own, np.zeros(acceleration.shape[1] - len(before) - len(own))])
+    return row, np.zeros(by_force.shape[1])
