@@ -24,7 +24,7 @@ from supple.equations.stops import Stops, stepping_instants
 from supple.errors import ModelError, SuppleWarning
 from supple.integrate import Kinematic, Run
 from supple.machine import SampledController, System
-from supple.methods.floating.compiled.batch_start import batch_start
+from supple.methods.floating.compiled.batch_start import batch_start, form_of
 from supple.methods.floating.compiled.sensitivity_march import MarchChanges
 from supple.methods.floating.compiled.sensitivity_step import Carried, StateChange, state_change
 from supple.methods.floating.compiled.state import State
@@ -146,11 +146,7 @@ def _check_marches(system: System, run: Run) -> None:
 
 
 def _check_same_program(name: str, middle: _Numbers, around: Sequence[_Numbers]) -> None:
-    def structure(numbers: _Numbers) -> Any:
-        leaves, found = jax.tree.flatten((numbers.model, numbers.start))
-        return found, [np.shape(leaf) for leaf in leaves]
-
-    if any(structure(own) != structure(middle) for own in around):
+    if any(form_of(own[:2]) != form_of(middle[:2]) for own in around):
         raise ModelError(
             f"parameter '{name}' changes more than numbers of the machine: bodies, joints, kinds of loads, "
             "sizes of tables and bases, redundant joint equations and user-defined functions must not change"

@@ -14,7 +14,6 @@ from collections.abc import Sequence
 import jax
 import numpy as np
 
-from supple.algebra.available_memory import require_memory
 from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import check_instance, checked_arguments
 from supple.equations.checks.output_rate import report_output_rate
@@ -23,21 +22,16 @@ from supple.equations.checks.validity import Peaks, watch
 from supple.equations.machine_model import Model
 from supple.equations.stops import Stops, laws_of, padded_stops, stepping_instants
 from supple.errors import ModelError
-from supple.integrate import (
-    Progress,
-    Run,
-    Solution,
-    Statistics,
-)
+from supple.integrate import Progress, Run, Solution, Statistics
 from supple.machine import SampledController
 from supple.machine.laws.instants import shortest_scale_of
 from supple.machine.system import System
-from supple.methods.floating.compiled.batch_start import Axes, BatchStart, batch_start, differing
+from supple.methods.floating.compiled.batch_start import BatchStart, batch_start, differing, form_of
 from supple.methods.floating.compiled.engine import controls, march_failure, march_statistics
 from supple.methods.floating.compiled.state import State
 from supple.programs.worker_processes import on_all_cores
 from supple.progress import by_fraction, with_progress_bar
-from supple.simulation.batch_in_turn import batch_in_turn
+from supple.simulation.batch_in_turn import batch_in_turn, require_memory_of_chunk
 from supple.simulation.batch_of_lines import batch_of_lines
 from supple.simulation.batch_solution import BatchSolution
 from supple.simulation.engines import refuse_explicit
@@ -56,6 +50,8 @@ _LARGE_CHUNK = 1024
 """Chunk size on a GPU: an iteration takes 150 kernels of at least 5 us each, for one case or a thousand."""
 _RESULTS_AT_ONCE = 64
 """Number of cases whose solutions are computed together from their states."""
+_TANGENTS = 12
+"""Number of matrices of the size of the tangent that a case stores at one time."""
 
 
 @checked_arguments
@@ -115,7 +111,9 @@ def simulate_batch(
     starts = batch_start(cases, run)
     _check_alike(starts.models)
     axes = differing(starts.models)
-    _require_memory(starts, axes, min(chunk, len(cases)), len(run.times))
+    model, state = starts.models[0], starts.states[0]._replace(kept=None)
+    tangents = _TANGENTS * (model.n_velocities + len(model.active)) ** 2
+    require_memory_of_chunk(model, axes, state, min(chunk, len(cases)), len(run.times), tangents)
     shares = shares_of(starts, axes, controls(run), padded_stops(ends), chunk)
     shares.program.compiled(*shares.arguments[0]())
     ready = clock.perf_counter()
@@ -186,31 +184,11 @@ def _marched(
 
 
 def _check_alike(models: Sequence[Model]) -> None:
-    if any(jax.tree.structure(model) != jax.tree.structure(models[0]) for model in models):
+    forms = [form_of(model) for model in models]
+    if any(structure != forms[0][0] for structure, _ in forms):
         raise ModelError(
             "the cases of a batch must differ in numbers only: same bodies, joints, kinds of loads, "
             "and the same function objects for quantities over time (use Table for what differs)"
         )
-    shapes = [[np.shape(leaf) for leaf in jax.tree.leaves(model)] for model in models]
-    if any(own != shapes[0] for own in shapes):
+    if any(shapes != forms[0][1] for _, shapes in forms):
         raise ModelError("the cases of a batch must have tables and bodies of the same sizes")
-
-
-_TANGENTS = 12
-"""Number of matrices of the size of the tangent that a case stores at one time."""
-
-
-def _require_memory(starts: BatchStart, axes: Axes, chunk: int, n_times: int) -> None:
-    """MemoryShortageError where a chunk would exceed the available memory."""
-    model, state = starts.models[0], starts.states[0]
-    numbers = [
-        np.size(leaf) * (1 if axis is None else chunk)
-        for leaf, axis in zip(jax.tree.leaves(model), axes, strict=True)
-    ]
-    history = 3 * n_times * sum(np.size(leaf) for leaf in jax.tree.leaves(state._replace(kept=None)))
-    tangents = _TANGENTS * (model.n_velocities + len(model.active)) ** 2
-    require_memory(
-        8 * (2 * sum(numbers) + chunk * (history + tangents)),
-        f"a chunk of {chunk} cases with {n_times} output times",
-        "use fewer cases at a time (`chunk`) or fewer output times",
-    )

@@ -5,10 +5,16 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
+import jax
+import numpy as np
+
+from supple.algebra.available_memory import require_memory
 from supple.errors import ModelError
 from supple.integrate import Progress, Run
 from supple.machine import System
+from supple.methods.floating.compiled.batch_start import Axes
 from supple.programs.worker_processes import shared_out
 from supple.simulation.batch_solution import BatchSolution
 from supple.simulation.case_worker import CaseWork
@@ -29,7 +35,7 @@ def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) 
             )
     began, found = clock.perf_counter(), {}
     # The processes receive the cases pickled; cases that cannot be pickled run in this process.
-    for done in shared_out(CaseWork(run), [partial(_arguments, system) for system in cases]):
+    for done in shared_out(CaseWork(run), [partial(tuple, [system]) for system in cases]):
         found[done.number] = done.result
         if progress is not None:
             progress(len(found) / len(cases))
@@ -41,8 +47,20 @@ def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) 
     return BatchSolution(tuple(solutions), failures, seconds, passed - seconds)
 
 
-def _arguments(system: System) -> tuple[System]:
-    return (system,)
+def require_memory_of_chunk(model: Any, axes: Axes, state: Any, chunk: int, n_times: int, more: int) -> None:
+    """MemoryShortageError where a chunk of cases would exceed the available memory.
+
+    model, state : of one case; numbers of the model without an axis are stored once
+    more : numbers of each case beside its model and history
+    """
+    leaves = zip(jax.tree.leaves(model), axes, strict=True)
+    numbers = sum(np.size(leaf) * (1 if axis is None else chunk) for leaf, axis in leaves)
+    history = 3 * n_times * sum(np.size(leaf) for leaf in jax.tree.leaves(state))
+    require_memory(
+        8 * (2 * numbers + chunk * (history + more)),
+        f"a chunk of {chunk} cases with {n_times} output times",
+        "use fewer cases at a time (`chunk`) or fewer output times",
+    )
 
 
 def _kinds(system: System) -> list[tuple[str, ...]]:

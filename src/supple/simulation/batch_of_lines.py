@@ -15,18 +15,17 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.algebra.available_memory import require_memory
 from supple.errors import ModelError
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
-from supple.methods.floating.compiled.batch_start import differing, stacked
+from supple.methods.floating.compiled.batch_start import differing, form_of, stacked
 from supple.methods.intrinsic import IntrinsicEngine
 from supple.methods.intrinsic.line_march import LineMarchState
 from supple.methods.intrinsic.line_system import LineSystem
 from supple.methods.intrinsic.march_of_cases import march_of_cases
 from supple.methods.intrinsic.report_truncation import report_truncation_of_cases
 from supple.methods.intrinsic.supported_root import is_joined
-from supple.simulation.batch_in_turn import batch_in_turn
+from supple.simulation.batch_in_turn import batch_in_turn, require_memory_of_chunk
 from supple.simulation.batch_solution import BatchSolution
 
 __all__ = ["batch_of_lines"]
@@ -54,7 +53,8 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
         engine.n_steps = n_steps
     starts = [engine.start(float(run.times[0])) for engine in engines]
     chunk = min(chunk, len(cases))
-    _require_memory(axes, systems[0], starts[0], chunk, len(run.times))
+    stations = sum(np.size(model.twists) for model in systems[0].lines)
+    require_memory_of_chunk(systems[0], axes, starts[0], chunk, len(run.times), 10 * stations)
     march = march_of_cases(structure, axes, first.rule, n_steps, run.tolerances.max_iterations)
     times = jnp.asarray(run.times[1:])
     devices = jax.devices()
@@ -104,33 +104,10 @@ def _solution(
 
 
 def _check_alike(systems: Sequence[LineSystem]) -> None:
-    first = systems[0]
-    structure, shapes = jax.tree.structure(first), _shapes(first)
     for number, system in enumerate(systems):
-        if jax.tree.structure(system) != structure or _shapes(system) != shapes:
+        if form_of(system) != form_of(systems[0]):
             raise ModelError(
                 f"case {number} differs from the first in more than numbers: the cases of a batch have the "
                 "same bodies, joints, kinds of loads and sizes of tables, gravity or none, and the same "
                 "functions of time (use Table for what differs)"
             )
-
-
-def _shapes(system: LineSystem) -> list[tuple[int, ...]]:
-    return [np.shape(leaf) for leaf in jax.tree.leaves(system)]
-
-
-def _require_memory(
-    axes: Sequence[int | None], system: LineSystem, start: LineMarchState, chunk: int, n_times: int
-) -> None:
-    """MemoryShortageError where a chunk would exceed the available memory."""
-    numbers = sum(
-        np.size(leaf) * (1 if axis is None else chunk)
-        for leaf, axis in zip(jax.tree.leaves(system), axes, strict=True)
-    )
-    state = sum(np.size(leaf) for leaf in jax.tree.leaves(start))
-    stations = sum(np.size(model.twists) for model in system.lines)
-    require_memory(
-        8 * (2 * numbers + chunk * (3 * n_times * state + 10 * stations)),
-        f"a chunk of {chunk} cases with {n_times} output times",
-        "use fewer cases at a time (`chunk`) or fewer output times",
-    )

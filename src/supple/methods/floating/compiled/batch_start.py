@@ -26,7 +26,7 @@ from supple.methods.floating.compiled.engine import initial_state
 from supple.methods.floating.compiled.state import State
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["Axes", "BatchStart", "batch_start", "differing", "stacked"]
+__all__ = ["Axes", "BatchStart", "batch_start", "differing", "form_of", "stacked"]
 
 _AT_ONCE = 64
 """Number of cases whose forces are evaluated together; a shorter last set is padded to this number."""
@@ -49,6 +49,12 @@ def stacked(trees: Sequence[Any], axes: Axes) -> list[Any]:
         np.asarray(column[0]) if axis is None else np.stack([np.asarray(leaf) for leaf in column])
         for column, axis in zip(columns, axes, strict=True)
     ]
+
+
+def form_of(tree: Any) -> tuple[Any, list[tuple[int, ...]]]:
+    """Structure of a pytree, and the shapes of its leaves."""
+    leaves, structure = jax.tree.flatten(tree)
+    return structure, [np.shape(leaf) for leaf in leaves]
 
 
 def _all_equal(leaves: Sequence[Any]) -> bool:
