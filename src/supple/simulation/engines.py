@@ -13,8 +13,8 @@ from supple.methods.explicit import ExplicitEngine
 from supple.methods.floating import CompiledEngine, FullEngine, FullKinematicEngine, KinematicEngine
 from supple.methods.intrinsic import intrinsic_engine
 from supple.methods.intrinsic.chosen_step import with_chosen_step
+from supple.methods.intrinsic.line_in_frame import lines_in_frames
 from supple.methods.intrinsic.supported_root import is_joined
-from supple.simulation.machine_with_stations import machine_with_stations
 
 __all__ = ["register_engine"]
 
@@ -24,7 +24,7 @@ EngineFactory = Callable[[System, Run], Engine[Any]]
 
 def _sparse_engine(system: System, run: Run) -> FullEngine:
     """The engine of machines with full bodies; intrinsic bodies have floating frames."""
-    return FullEngine(machine_with_stations(system), with_chosen_step(system, run))
+    return FullEngine(lines_in_frames(system), with_chosen_step(system, run))
 
 
 def _intrinsic_engine(system: System, run: Run) -> Engine[Any]:
@@ -54,11 +54,7 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
     kinds = {placed.body.kind for placed in system.bodies}
     if isinstance(run.method, Kinematic):
         sparse = kinds & {"full", "intrinsic"}
-        return (
-            FullKinematicEngine(machine_with_stations(system), run)
-            if sparse
-            else KinematicEngine(system, run)
-        )
+        return FullKinematicEngine(lines_in_frames(system), run) if sparse else KinematicEngine(system, run)
     if is_explicit(system, run):
         return ExplicitEngine(system, run)
     factory = next((factory for kind, factory in _ENGINES.items() if kind in kinds), CompiledEngine)

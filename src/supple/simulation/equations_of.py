@@ -12,8 +12,8 @@ from supple.equations.steady_motion import SteadyRotation
 from supple.machine import AngleServo, Controller, SlideServo, System
 from supple.methods.explicit.check_machine import check_spin_stiffness
 from supple.methods.floating import compiled_statics, full_statics
+from supple.methods.intrinsic.line_in_frame import lines_in_frames
 from supple.methods.intrinsic.line_statics import line_statics
-from supple.simulation.machine_with_stations import machine_with_stations
 
 __all__ = ["equations_of", "with_held_servos"]
 
@@ -34,7 +34,7 @@ def equations_of(
     system = with_held_servos(system, turning, time)
     kinds = {placed.body.kind for placed in system.bodies}
     if "full" in kinds or ("intrinsic" in kinds and system.controllers):
-        return full_statics(machine_with_stations(system), turning, time, known)
+        return full_statics(lines_in_frames(system), turning, time, known)
     method = line_statics if "intrinsic" in kinds else compiled_statics
     return method(system, turning, time, known)
 

@@ -32,10 +32,10 @@ from supple.equations.static_search import (
 from supple.errors import AccuracyError, ConvergenceError, ModelError
 from supple.machine import System
 from supple.methods.floating.full.statics import FullStatics, full_statics
+from supple.methods.intrinsic.line_in_frame import lines_in_frames
 from supple.quantities.quantity_of_interest import ROUND_OFF, largest_displacement
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.equations_of import with_held_servos
-from supple.simulation.machine_with_stations import machine_with_stations
 from supple.simulation.resting_state import RestingState, placed_at_rest
 from supple.simulation.stored_basis import stored_bases
 
@@ -176,7 +176,7 @@ def full_rest(
     )
     turning = reduced.turning if np.any(reduced.turning.angular_velocities) else None
     whole = replace(reduced.system, bodies=bodies)
-    machine = machine_with_stations(with_held_servos(whole, turning, time))
+    machine = lines_in_frames(with_held_servos(whole, turning, time))
     statics = full_statics(machine, turning, time, reduced.equations.model.active)
     # Frame conditions transmit no force: the frame's own six equations balance the sum of the nodal forces.
     start = reduced.state._replace(

@@ -14,10 +14,10 @@ from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.consistent_start import placed_configuration
 from supple.equations.joint_closure import joints_assembled
 from supple.equations.start_change import PositionCorrection
-from supple.equations.starting_machine import StartingMachine
 from supple.machine import System
+from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.intrinsic import IntrinsicBody
-from supple.simulation.machine_with_stations import full_system
+from supple.methods.intrinsic.line_in_frame import lines_in_frames
 
 __all__ = ["AssembledMachine", "assemble"]
 
@@ -52,7 +52,7 @@ def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
     Source: [Nikravesh1988] section 3.2 (Newton's method on the constraint equations).
     """
     sparse = system.bodies_of(FullBody) or system.bodies_of(IntrinsicBody)
-    machine: StartingMachine = full_system(system) if sparse else CompiledMachine(system, build_model(system))
+    machine = FullSystem(lines_in_frames(system)) if sparse else CompiledMachine(system, build_model(system))
     found = joints_assembled(machine, time, placed_configuration(system))
     bodies, moved = [], []
     for placed, position, rotation in zip(system.bodies, found.origins, found.rotations, strict=True):

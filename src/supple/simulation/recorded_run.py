@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -14,13 +15,14 @@ from supple.methods.intrinsic.report_truncation import truncation_parts
 from supple.simulation.description import inputs_of
 from supple.simulation.interruption import noted_interruption
 from supple.simulation.recorded_columns import check_columns, columns_of
+from supple.simulation.stored_bodies import store_bodies, with_stored_bodies
 from supple.simulation.watched_run import watched_run
 from supple.storage import ResultFile, read_header, read_solution
 from supple.storage.dataset_labels import second_end_key
 from supple.storage.result_content import Metadata, ResultHeader
 from supple.storage.run_inputs import Inputs, changes
 
-__all__ = ["begin_recorded", "continue_recorded", "simulate_recorded"]
+__all__ = ["begin_recorded", "continue_recorded", "simulate_and_store", "simulate_recorded"]
 
 
 def begin_recorded(
@@ -31,6 +33,7 @@ def begin_recorded(
     case: str,
     metadata: Metadata = MappingProxyType({}),
     inputs: Inputs | None = None,
+    kept: Collection[str] = (),
     overwrite: bool = False,
     progress: Progress | None = None,
     check: bool = True,
@@ -44,6 +47,7 @@ def begin_recorded(
     case, metadata : stored in the file; entry "units", `str` of a UnitSystem, gives the units of its arrays
     inputs : inputs of the motion, stored in the file for continuation; by default from the system, the run
         and the case (`inputs_of`)
+    kept : names of reduced bodies to store in the folder of the file
     overwrite : replace an existing result; otherwise only a run without any output is replaced
 
     Raises
@@ -59,8 +63,49 @@ def begin_recorded(
         inputs=inputs_of(system, run, case) if inputs is None else inputs,
         overwrite=overwrite,
     )
+    # The old motion is deleted before its bodies, so that it is never beside the bodies of another run.
     with file:
+        store_bodies(system, kept, Path(path).parent)
         return recorded(system, run, file, progress=progress, check=check)
+
+
+def simulate_and_store(
+    system: System,
+    run: Run,
+    path: Path,
+    kept: Collection[str],
+    *,
+    case: str,
+    inputs: Inputs,
+    metadata: Metadata = MappingProxyType({}),
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> tuple[System, Solution]:
+    """Simulate a system, and store its motion and its reduced bodies (`NAME-reduced.h5`) in one folder.
+
+    Parameters
+    ----------
+    resume : continue an interrupted run, with the stored bodies of this run
+    Other parameters as for `begin_recorded`.
+
+    Returns
+    -------
+    the system as simulated, and the whole run
+
+    Raises
+    ------
+    ResultFileError     the file cannot be written, or its run cannot be continued
+    errors of `simulate`; the results until then are in the file
+    """
+    if resume and read_header(path).n_times:
+        system = with_stored_bodies(system, kept, path.parent)
+        return system, continue_recorded(system, run, path, case=case, inputs=inputs, progress=progress)
+    if resume:
+        # Nothing was computed yet. The stored bodies may be those of an earlier run.
+        ResultFile.resume(path, case=case, inputs=inputs).close()
+    options: dict[str, Any] = {"metadata": metadata, "kept": kept, "overwrite": overwrite}
+    return system, begin_recorded(system, run, path, case=case, inputs=inputs, progress=progress, **options)
 
 
 def joint_ends(system: System) -> Metadata:
@@ -146,7 +191,11 @@ def check_recorded(
 ) -> ResultHeader:
     """The header of the file of a run; ResultFileError if the file has another run, or other bodies."""
     header = read_header(path)
-    _check_same_run(header, inputs_of(system, run, case) if inputs is None else inputs, case, path)
+    if changed := changes(header.inputs, inputs_of(system, run, case) if inputs is None else inputs):
+        raise ResultFileError(
+            f"{path} contains another run than requested ({changed}); set overwrite=True to replace it, "
+            f"or choose another file. In the file: {header.case}. Requested: {case}"
+        )
     if header.n_times:
         check_columns(header, system, path)
     return header
@@ -164,7 +213,7 @@ def recorded(
     start = file.last_instant() if file.header.n_times else None
     stopped, truncation = None, None
     # A run interrupted after its last output time only has to be marked as complete.
-    if start is None or _is_something_left(run, start):
+    if start is None or start.times[-1] < run.times[-1] - 1e-6 * run.output_step:
         with noted_interruption(file):
             done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)
         stopped = done.stopped
@@ -175,15 +224,3 @@ def recorded(
         file.finish()
     whole = replace(whole, stopped=stopped)
     return replace(whole, truncation=truncation_parts(system, whole) if truncation is None else truncation)
-
-
-def _is_something_left(run: Run, reached: Solution) -> bool:
-    return bool(reached.times[-1] < run.times[-1] - 1e-6 * run.output_step)
-
-
-def _check_same_run(header: ResultHeader, inputs: Inputs, case: str, path: Path) -> None:
-    if changed := changes(header.inputs, inputs):
-        raise ResultFileError(
-            f"{path} contains another run than requested ({changed}); set overwrite=True to replace it, "
-            f"or choose another file. In the file: {header.case}. Requested: {case}"
-        )

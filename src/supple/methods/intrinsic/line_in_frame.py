@@ -30,7 +30,7 @@ from supple.equations.compiler_options import STARTING
 from supple.equations.station_body import BodyState, MachineWithStations, StationBodyForces, Stations
 from supple.integrate import FloatingMotion, Motion
 from supple.machine import Placed, System
-from supple.methods.intrinsic.intrinsic_body import body_of
+from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.joined_machine import lines_as_stations
 from supple.methods.intrinsic.line_equations import (
@@ -134,10 +134,12 @@ class LineInFrame:
 
 
 def lines_in_frames(system: System) -> MachineWithStations:
-    """A machine with its intrinsic bodies in floating frames.
+    """A machine with its intrinsic bodies in floating frames; without such bodies, the machine itself.
 
     Raises ModelError for intrinsic bodies with a supported root.
     """
+    if not system.bodies_of(IntrinsicBody):
+        return MachineWithStations(system, system, ())
     seen, lines, coupled, on_lines = lines_as_stations(system)
     first, bodies = len(seen.bodies) - sum(map(len, coupled)), []
     for placed, stations in zip(lines, coupled, strict=True):
