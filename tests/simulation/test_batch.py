@@ -40,6 +40,7 @@ from supple.machine import (
 from supple.methods.floating.compiled import frozen_tangent
 from supple.programs import worker_processes
 from supple.programs.program_cache import CachedProgram
+from supple.programs.program_worker import answer_questions
 from supple.simulation import case_worker, shares_of_cases, simulate, simulate_batch
 from supple.simulation.case_worker import CaseWork
 
@@ -150,7 +151,7 @@ def test_another_process_answers_with_the_same_bits_and_what_it_warns_of(blade):
     case = swinging(FullBody(blade, NodalFixedFrame("root")), 3.0)
     work, answers = CaseWork(run), io.BytesIO()
     sent = [work.greeting(), work.question((case,))]
-    case_worker.answer_cases(io.BytesIO(b"".join(map(pickle.dumps, sent))), answers)
+    answer_questions(io.BytesIO(b"".join(map(pickle.dumps, sent))), answers, case_worker.marcher_of)
     answers.seek(0)
     assert pickle.load(answers) == "ready"
     seconds, (parts, warned) = pickle.load(answers)

@@ -13,6 +13,7 @@ import pickle
 import signal
 import sys
 import zlib
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
@@ -23,7 +24,7 @@ import numpy as np
 from jax.experimental import serialize_executable
 from jaxlib.lapack import prepare_lapack_call
 
-__all__ = ["program_of_file"]
+__all__ = ["answer_questions", "program_of_file", "serve"]
 
 
 def program_of_file(file: Path, taken: Any, given: Any = None) -> Any:
@@ -51,29 +52,42 @@ def _bind_lapack() -> None:
     prepare_lapack_call("getrf", np.dtype(float))
 
 
-def answer_calls(questions: BinaryIO, answers: BinaryIO) -> None:
-    """Run the program for all requests."""
-    file, n_arguments, n_results = pickle.load(questions)
+def caller_of(greeting: tuple[str, int, int]) -> Callable[[Any], list[np.ndarray]]:
+    """The program in a file, from the file and its numbers of input and output arrays."""
+    file, n_arguments, n_results = greeting
     taken = jax.tree.structure((tuple(range(n_arguments)), {}))
     program = program_of_file(Path(file), taken, jax.tree.structure(list(range(n_results))))
-    _send("ready", answers)
+    return lambda arguments: [np.asarray(each) for each in jax.device_get(program(*arguments))]
+
+
+def answer_questions(
+    questions: BinaryIO, answers: BinaryIO, worker: Callable[[Any], Callable[[Any], Any]]
+) -> None:
+    """Answer each pickled question with its time in seconds and result, by the `worker` of the greeting."""
+
+    def send(result: Any) -> None:
+        pickle.dump(result, answers, pickle.HIGHEST_PROTOCOL)
+        answers.flush()
+
+    answer = worker(pickle.load(questions))
+    send("ready")
     while True:
         try:
-            arguments = pickle.load(questions)
+            question = pickle.load(questions)
         except EOFError:
             return
         began = perf_counter()
-        found = [np.asarray(each) for each in jax.device_get(program(*arguments))]
-        _send((perf_counter() - began, found), answers)
+        found = answer(question)
+        send((perf_counter() - began, found))
 
 
-def _send(result: Any, answers: BinaryIO) -> None:
-    pickle.dump(result, answers, pickle.HIGHEST_PROTOCOL)
-    answers.flush()
-
-
-if __name__ == "__main__":
+def serve(worker: Callable[[Any], Callable[[Any], Any]]) -> None:
+    """Answer the questions of the parent process on the standard streams, until its input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # meant for the parent process, which closes the input
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as own:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # output of libraries goes to stderr
-        answer_calls(sys.stdin.buffer, own)
+        answer_questions(sys.stdin.buffer, own, worker)
+
+
+if __name__ == "__main__":
+    serve(caller_of)

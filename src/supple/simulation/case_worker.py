@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import os
-import pickle
-import signal
-import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
-from time import perf_counter
-from typing import Any, BinaryIO
+from typing import Any
 
 from supple.integrate import Run, Solution
 from supple.machine import System
+from supple.programs.program_worker import serve
 
 __all__ = ["CaseWork"]
+
+
+Answer = tuple[dict[str, Any], list[Warning | str]]
+"""Fields of a solution, and the warnings of its run"""
 
 
 class CaseWork:
@@ -42,7 +42,7 @@ class CaseWork:
         (system,) = arguments
         return system
 
-    def result(self, answer: tuple[dict[str, Any], list[Any]]) -> Solution:
+    def result(self, answer: Answer) -> Solution:
         """The motion from the answer of a worker; warnings of the run are issued again in this process."""
         parts, warned = answer
         for message in warned:
@@ -56,35 +56,20 @@ def _marched(system: System, run: Run) -> Solution:
     return watched_run(system, run, check=False)
 
 
-def answer_cases(questions: BinaryIO, answers: BinaryIO) -> None:
-    """Receive a run and cases, and answer each case with its elapsed time, motion and warnings."""
-    run = pickle.load(questions)
-    _send("ready", answers)
-    while True:
-        try:
-            system = pickle.load(questions)
-        except EOFError:
-            return
-        began = perf_counter()
+def marcher_of(run: Run) -> Callable[[System], Answer]:
+    """Function that runs a machine."""
+
+    def answer(system: System) -> Answer:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             solution = _marched(system, run)
-        parts = {each.name: _plain(getattr(solution, each.name)) for each in fields(solution)}
-        _send((perf_counter() - began, (parts, [each.message for each in caught])), answers)
+        parts = {each.name: getattr(solution, each.name) for each in fields(solution)}
+        # Mappings become dictionaries, which can be pickled.
+        plain = {name: dict(own) if isinstance(own, Mapping) else own for name, own in parts.items()}
+        return plain, [each.message for each in caught]
 
-
-def _plain(value: Any) -> Any:
-    """The value; a mapping as a dictionary, which can be pickled."""
-    return dict(value) if isinstance(value, Mapping) else value
-
-
-def _send(result: Any, answers: BinaryIO) -> None:
-    pickle.dump(result, answers, pickle.HIGHEST_PROTOCOL)
-    answers.flush()
+    return answer
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # handled by the parent process, which closes the input
-    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as own:
-        os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # output of libraries
-        answer_cases(sys.stdin.buffer, own)
+    serve(marcher_of)
