@@ -2,10 +2,9 @@
 
 from supple.quantities.beam_force_sensor import *
 from supple.quantities.contact_force import *
+from supple.quantities.end_motion import *
 from supple.quantities.force_sensors import *
-from supple.quantities.joint_motion_sensor import *
 from supple.quantities.nodal_damage import *
-from supple.quantities.obstacle_motion import *
 from supple.quantities.over_nodes import *
 from supple.quantities.place import *
 from supple.quantities.place_sensors import *

@@ -1,4 +1,4 @@
-"""Force of each contact of an explicit run over time, and its point of action."""
+"""Contacts of an explicit run: their forces and points of action, and the motion of rigid obstacles."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from supple.integrate import Solution
 from supple.machine import System
-from supple.methods.explicit import CONTACTS
-from supple.quantities.reading import Channel, QuantityKind
+from supple.methods.explicit import CONTACTS, OBSTACLES
+from supple.quantities.reading import Channel, QuantityKind, vector_channels
 
-__all__ = ["ContactForce", "ContactForceSensor", "contact_forces", "contact_names"]
+__all__ = ["ContactForce", "ContactForceSensor", "ObstacleSensor", "contact_forces", "contact_names"]
 
 Array = NDArray[np.float64]
 
@@ -63,8 +63,28 @@ class ContactForceSensor:
 
     def channels(self, _system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz."""
-        return [Channel(f"F{axis}", QuantityKind.FORCE, "global") for axis in "xyz"]
+        return vector_channels("global", {"F": QuantityKind.FORCE})
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 3)."""
         return {each.name: each.force for each in contact_forces(system, solution)}[self.contact]
+
+
+@dataclass(frozen=True)
+class ObstacleSensor:
+    """Displacement since the start, and velocity, of the obstacle of a contact, (t, 6), global axes.
+
+    contact : one of `contact_names`, of a contact with a rigid obstacle
+    """
+
+    name: str
+    contact: str
+
+    def channels(self, _system: System) -> Sequence[Channel]:
+        """x, y, z, vx, vy, vz."""
+        return vector_channels("global", {"": QuantityKind.LENGTH, "v": QuantityKind.VELOCITY})
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(t, 6)."""
+        number = contact_names(system).index(self.contact)
+        return solution.series[OBSTACLES][:, 6 * number : 6 * number + 6]

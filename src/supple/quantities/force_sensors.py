@@ -19,8 +19,8 @@ from supple.errors import ModelError
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import ForceElement, Joint, JointFriction, System
 from supple.machine.pose import Pose, Wrench
-from supple.quantities.end_motion import both_ends, check_ends, joint_named
-from supple.quantities.reading import Channel, QuantityKind
+from supple.quantities.end_motion import OfJoint, both_ends, check_ends, joint_named
+from supple.quantities.reading import LOAD, Channel, QuantityKind, vector_channels
 from supple.value_content import UserFunction
 
 __all__ = [
@@ -35,14 +35,8 @@ __all__ = [
 Array = NDArray[np.float64]
 
 
-def six_channels(axes: str) -> tuple[Channel, ...]:
-    """Six channels, of a force and a moment."""
-    parts = (("F", QuantityKind.FORCE), ("M", QuantityKind.MOMENT))
-    return tuple(Channel(f"{letter}{axis}", quantity, axes) for letter, quantity in parts for axis in "xyz")
-
-
 @dataclass(frozen=True)
-class JointForceSensor:
+class JointForceSensor(OfJoint):
     """Force and moment of a joint on its second end, (t, 6), in joint axes that rotate with the first end.
 
     As a quantity of interest, only the force is used.
@@ -50,16 +44,10 @@ class JointForceSensor:
     joint : name of the joint
     """
 
-    name: str
-    joint: str
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
         joint_named(system, self.joint, self.name)
-        return six_channels(JOINT_AXES)
+        return vector_channels(JOINT_AXES, LOAD)
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 6)."""
@@ -130,7 +118,7 @@ class SpringForceSensor(_OfElement):
                     f"'{controller.name}', whose outputs are not stored: measure what the controller reads, "
                     "and compute the force with its law"
                 )
-        return six_channels("global")
+        return vector_channels("global", LOAD)
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 6)."""

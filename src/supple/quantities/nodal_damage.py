@@ -12,7 +12,7 @@ from supple.arguments import Positive, check_fields, checked_arguments
 from supple.errors import ModelError
 from supple.fatigue import Goodman, Residue, SNCurve, miner_damage, rainflow
 from supple.fem import von_mises
-from supple.quantities.tensor_modes import STRESS, TensorModes
+from supple.quantities.tensor_modes import STRESS, TensorModes, principal_values
 
 __all__ = ["CriticalPlane", "SignedVonMises", "StressCriterion", "hot_spot_damage"]
 
@@ -97,9 +97,7 @@ class SignedVonMises:
 
     def histories(self, stress: Array) -> Array:
         """(t, k, 1) from stresses (t, k, 6)."""
-        xx, yy, zz, yz, xz, xy = np.moveaxis(stress, -1, 0)
-        tensors = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(*xx.shape, 3, 3)
-        principal = np.linalg.eigvalsh(tensors)
+        principal = principal_values(stress)
         sign = np.where(principal[..., 2] >= -principal[..., 0], 1.0, -1.0)
         return (sign * von_mises(stress))[..., None]
 

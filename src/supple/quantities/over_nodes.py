@@ -47,15 +47,17 @@ class OverNodes(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class Maximum:
-    """The value of largest magnitude over the nodes, with its sign, at every time and for every channel."""
-
-    words: str = field(default="largest", init=False)
-
+class _OfAllNodes:
     def read(self, points: Array) -> IntArray:
         """All nodes."""
         return np.arange(len(points))
+
+
+@dataclass(frozen=True)
+class Maximum(_OfAllNodes):
+    """The value of largest magnitude over the nodes, with its sign, at every time and for every channel."""
+
+    words: str = field(default="largest", init=False)
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
         """The values of largest magnitude, and their nodes, updated block by block."""
@@ -72,14 +74,10 @@ class Maximum:
 
 
 @dataclass(frozen=True)
-class Mean:
+class Mean(_OfAllNodes):
     """The mean over the nodes, with equal weights."""
 
     words: str = field(default="mean", init=False)
-
-    def read(self, points: Array) -> IntArray:
-        """All nodes."""
-        return np.arange(len(points))
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
         """The mean values, from sums updated block by block; no nodes."""
@@ -91,7 +89,7 @@ class Mean:
 
 
 @dataclass(frozen=True)
-class Nearest:
+class Nearest(Maximum):
     """The values at the node nearest to the centroid of all nodes."""
 
     words: str = field(default="nearest to the centroid", init=False)
@@ -99,7 +97,3 @@ class Nearest:
     def read(self, points: Array) -> IntArray:
         """The nearest node."""
         return np.array([np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))])
-
-    def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
-        """The channels of the nearest node."""
-        return Maximum().combined(blocks, shape)

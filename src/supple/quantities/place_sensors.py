@@ -16,9 +16,8 @@ from supple.errors import ModelError
 from supple.integrate import FramedMotion, Solution
 from supple.machine import GROUND, At, BaseAcceleration, System, as_end
 from supple.quantities.place import Place, as_place, body_named
-from supple.quantities.quantity import vector_channels
 from supple.quantities.quantity_of_interest import largest_displacement
-from supple.quantities.reading import Channel, QuantityKind
+from supple.quantities.reading import Channel, QuantityKind, vector_channels
 from supple.quantities.tracked_motion import observer_of, tracked_motion
 
 __all__ = [
@@ -49,7 +48,7 @@ class _AtPlace:
     def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
         self.place.body_of(system, self.name)
-        return vector_channels(self.quantity, "global")
+        return vector_channels("global", {"": self.quantity})
 
 
 class PositionSensor(_AtPlace):
@@ -147,7 +146,7 @@ class AngularVelocitySensor:
         """x, y, z."""
         if self.at != GROUND:
             body_named(system, self.at.body, self.name).interface(self.at.interface)
-        return vector_channels(QuantityKind.ANGULAR_VELOCITY, "global")
+        return vector_channels("global", {"": QuantityKind.ANGULAR_VELOCITY})
 
     def values(self, system: System, solution: Solution) -> Array:
         """W (t, 3)."""
@@ -185,7 +184,8 @@ class DeflectionSensor(_AtPlace):
                 "interface as reference of its deflection: give seen_from, an interface of another body "
                 "(in Python also one of its node sets), or use a position sensor"
             )
-        return vector_channels(self.quantity, f"mesh axes turning with {base or f'the frame of {body.name}'}")
+        seen_from = base or f"the frame of {body.name}"
+        return vector_channels(f"mesh axes turning with {seen_from}", {"": self.quantity})
 
     def values(self, system: System, solution: Solution) -> Array:
         """`A_p^T (r - r_p) - (x - x_p)`, (t, 3): r of the place, r_p of the interface; x, x_p undeformed."""

@@ -51,11 +51,6 @@ class LocatedQuantity(Quantity, Protocol):
         ...
 
 
-def vector_channels(quantity: QuantityKind, axes: str) -> tuple[Channel, ...]:
-    """Channels of three components along x, y and z."""
-    return tuple(Channel(name, quantity, axes) for name in "xyz")
-
-
 @checked_arguments
 def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution) -> Readings:
     """The readings of sensors over a run.

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -53,6 +54,15 @@ class Channel(NamedTuple):
     """Axes or direction of the component; "" for a scalar"""
     place: str = ""
     """Description of the place, such as the node or number of nodes; "" if the sensor defines the place"""
+
+
+def vector_channels(axes: str, vectors: Mapping[str, QuantityKind]) -> tuple[Channel, ...]:
+    """Channels of the components x, y and z of vectors, by the letters before x."""
+    return tuple(Channel(f"{before}{axis}", kind, axes) for before, kind in vectors.items() for axis in "xyz")
+
+
+LOAD = MappingProxyType({"F": QuantityKind.FORCE, "M": QuantityKind.MOMENT})
+"""Letters of a force and a moment, for `vector_channels`."""
 
 
 class Located(NamedTuple):

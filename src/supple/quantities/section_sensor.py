@@ -14,9 +14,8 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import System
-from supple.quantities.force_sensors import six_channels
 from supple.quantities.place import Place, as_place
-from supple.quantities.reading import Channel
+from supple.quantities.reading import LOAD, Channel, vector_channels
 
 __all__ = ["SectionForceSensor"]
 
@@ -50,7 +49,7 @@ class SectionForceSensor:
             sections.check(self._plane(system))
         except ModelError as error:
             raise ModelError(f"sensor '{self.name}': {error}") from error
-        return six_channels(sections.axes)
+        return vector_channels(sections.axes, LOAD)
 
     def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
         """(t, 6)."""

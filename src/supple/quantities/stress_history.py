@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import NamedTuple, TypeGuard
 
 import numpy as np
@@ -109,17 +110,13 @@ def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Ar
     computed once if they fit in 1 GiB.
     """
     nodes = nodes_with_stress(stress_recovery(model))
-    kept = None
+    at_nodes: Callable[[Array], Array] = partial(von_mises_history, body, model, nodes=nodes)
     if _has_modes(body) and _numbers_of_modes(body, model) * len(nodes) <= _KEPT_NUMBERS:
-        kept = tensor_modes(STRESS, body, model, nodes)
+        at_nodes = tensor_modes(STRESS, body, model, nodes).von_mises
 
     def at_all_nodes(coordinates: Array) -> Array:
         found = np.full((len(coordinates), len(body.nodes)), np.nan)
-        if kept is not None:
-            found[:, nodes] = kept.von_mises(coordinates)
-            return found
-        for times, some, field in tensor_blocks(STRESS, body, model, coordinates, nodes):
-            found[times, nodes[some]] = STRESS.equivalent(field).max(axis=2)
+        found[:, nodes] = at_nodes(coordinates)
         return found
 
     return at_all_nodes

@@ -21,7 +21,14 @@ from supple.quantities.over_nodes import Maximum, Mean, MeasuredBlock, OverNodes
 from supple.quantities.place import body_named
 from supple.quantities.reading import Channel, Located, QuantityKind, point_words
 from supple.quantities.stress_history import tensor_blocks
-from supple.quantities.tensor_modes import STRAIN, STRESS, NodalTensor, TensorModes, tensor_modes
+from supple.quantities.tensor_modes import (
+    STRAIN,
+    STRESS,
+    NodalTensor,
+    TensorModes,
+    principal_values,
+    tensor_modes,
+)
 
 __all__ = ["Component", "Principal", "StrainSensor", "StressSensor", "TensorMeasure", "VonMises"]
 
@@ -94,9 +101,7 @@ class Principal:
 
     def of_stress(self, tensors: Array) -> Array:
         """Eigenvalues of the stress tensor, the largest first."""
-        xx, yy, zz, yz, xz, xy = np.moveaxis(tensors, -1, 0)
-        full = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(*xx.shape, 3, 3)
-        return np.linalg.eigvalsh(full)[..., ::-1]
+        return principal_values(tensors)[..., ::-1]
 
     def of_strain(self, tensors: Array) -> Array:
         """Eigenvalues of the strain tensor, the largest first."""

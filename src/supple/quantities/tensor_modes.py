@@ -51,6 +51,12 @@ STRAIN = NodalTensor(strain_recovery, von_mises_strain)
 """Green-Lagrange strain, with engineering shears."""
 
 
+def principal_values(stress: Array) -> Array:
+    """Eigenvalues (..., 3), ascending, of tensors (..., 6)."""
+    rows = stress[..., [[0, 5, 4], [5, 1, 3], [4, 3, 2]]]
+    return np.asarray(np.linalg.eigvalsh(rows), dtype=np.float64)
+
+
 @dataclass(frozen=True, eq=False)
 class TensorModes:
     """Values of a tensor at nodes, per reduced coordinate gamma_j and per product of two coordinates.
@@ -188,7 +194,7 @@ def tensor_modes(
             f"this model ({model.mesh.n_nodes} nodes of {model.dofs_per_node}); give the model of the body"
         )
     recovery = tensor.recovery(model)
-    chosen = _chosen(nodes, recovery.n_nodes)
+    chosen = np.arange(recovery.n_nodes) if nodes is None else checked_nodes(nodes, recovery.n_nodes)
     n_layers, r = recovery.n_layers, body.r
     rows = (chosen[:, None] * n_layers + np.arange(n_layers)).ravel()
     follows = body.condensed
@@ -277,9 +283,3 @@ def _pair_strains(form: Array, gradients: Array) -> Iterator[tuple[slice, Array]
 def _times(modes: Array, amplitudes: Array) -> Array:
     """Sum of modes (N, l, 6, m) times amplitudes (t, m): (t, N, l, 6)."""
     return (amplitudes @ modes.reshape(-1, modes.shape[-1]).T).reshape(-1, *modes.shape[:-1])
-
-
-def _chosen(nodes: ArrayLike | None, n_nodes: int) -> IntArray:
-    if nodes is None:
-        return np.arange(n_nodes)
-    return checked_nodes(nodes, n_nodes)

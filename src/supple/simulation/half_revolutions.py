@@ -14,9 +14,9 @@ from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ValidityWarning
 from supple.integrate import Run, Solution
 from supple.machine import AngleServo, Bushing, ForceElement, System, TabledTorque, TorsionSpringDamper
-from supple.machine.forces.relative_motion import axial_motion, wrapped
+from supple.machine.forces.relative_motion import wrapped
 from supple.machine.pose import Pose
-from supple.quantities.end_motion import both_ends
+from supple.quantities.end_motion import axial_motions, both_ends
 
 __all__ = ["report_half_revolutions"]
 
@@ -93,15 +93,12 @@ def _angles(load: ForceElement, first: Pose, second: Pose, times: np.ndarray) ->
     """Angles (t, k) that the element limits to half a revolution, and their rates."""
     if isinstance(load, Bushing):
         return _turns(first, second)
-    motion = _axial_motions(first, second)
+    motion = axial_motions(first, second)
     angle, rate = motion.angle[:, None], motion.rate[:, None]
     if isinstance(load, AngleServo):
         target = jax.vmap(load.law)(jnp.asarray(times))
         return wrapped(target[:, :1] - angle), target[:, 1:] - rate
     return angle, rate
-
-
-_axial_motions = jax.jit(jax.vmap(axial_motion))
 
 
 @jax.jit
