@@ -6,11 +6,9 @@ methods.
 
 from supple.integrate.engine import *
 from supple.integrate.error_statement import *
-from supple.integrate.explicit_rule import *
-from supple.integrate.first_order import *
 from supple.integrate.generalized_alpha import *
-from supple.integrate.kinematic import *
 from supple.integrate.motion import *
+from supple.integrate.other_methods import *
 from supple.integrate.run import *
 from supple.integrate.run_options import *
 from supple.integrate.solution import *

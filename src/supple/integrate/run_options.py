@@ -8,11 +8,9 @@ from math import isfinite
 import numpy as np
 
 from supple.arguments import check_fields
-from supple.integrate.explicit_rule import ExplicitRule
-from supple.integrate.first_order import FirstOrderRule
 from supple.integrate.generalized_alpha import GeneralizedAlpha, TimeIntegrator
-from supple.integrate.kinematic import Kinematic
-from supple.integrate.step_control import FixedStep, StepControl, Tolerances
+from supple.integrate.other_methods import ExplicitRule, FirstOrderRule, Kinematic
+from supple.integrate.step_control import FixedStep, StepControl, Tolerances, check_positive
 from supple.summary import Summarized, Summary
 
 __all__ = ["MOST_OUTPUT_TIMES", "Run", "Validity"]
@@ -73,10 +71,7 @@ class Run(Summarized):
 
     def __post_init__(self) -> None:
         check_fields(self)
-        for name in ("duration", "output_step"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
-                raise ValueError(f"{name} must be a positive, finite number, got {value}")
+        check_positive(duration=self.duration, output_step=self.output_step)
         if not isfinite(self.start):
             raise ValueError(f"start must be a finite number, got {self.start}")
         ratio = self.duration / self.output_step
@@ -124,20 +119,16 @@ class Run(Summarized):
     @property
     def second_order_method(self) -> TimeIntegrator:
         """The method, if it is an implicit one of second order; ValueError for any other method."""
-        if isinstance(self.method, ExplicitRule):
-            raise ValueError(
-                f"{type(self.method).__name__} supports modal and finite-element parts of an explicit run "
-                "only; for bodies in floating frames use GeneralizedAlpha(rho_inf), Newmark() or "
-                "HilberHughesTaylor(alpha)"
-            )
-        if isinstance(self.method, FirstOrderRule):
-            raise ValueError(
-                f"{type(self.method).__name__} supports machines of intrinsic bodies only; for bodies in "
-                "floating frames use GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
-            )
+        floating = "GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
         if isinstance(self.method, Kinematic):
             raise ValueError(
-                "a kinematic run has no time integration, which is necessary here: give the run "
-                "GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
+                f"a kinematic run has no time integration, which is necessary here: give the run {floating}"
+            )
+        if isinstance(self.method, ExplicitRule | FirstOrderRule):
+            explicit = "modal and finite-element parts of an explicit run"
+            supported = explicit if isinstance(self.method, ExplicitRule) else "machines of intrinsic bodies"
+            raise ValueError(
+                f"{type(self.method).__name__} supports {supported} only; for bodies in floating frames use "
+                f"{floating}"
             )
         return self.method

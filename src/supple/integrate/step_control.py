@@ -10,7 +10,8 @@ from supple.arguments import check_fields
 __all__ = ["AdaptiveStep", "FixedStep", "StepControl", "Tolerances"]
 
 
-def _check_positive(**values: float) -> None:
+def check_positive(**values: float) -> None:
+    """ValueError unless the values are positive and finite."""
     for name, value in values.items():
         if not (isfinite(value) and value > 0):
             raise ValueError(f"{name} must be a positive, finite number, got {value}")
@@ -40,7 +41,7 @@ class FixedStep:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        _check_positive(size=self.size, smallest=self.least)
+        check_positive(size=self.size, smallest=self.least)
         _check_smallest(self.least, self.size)
 
     @property
@@ -82,7 +83,7 @@ class AdaptiveStep:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        _check_positive(first=self.first, largest=self.largest, tolerance=self.tolerance, smallest=self.least)
+        check_positive(first=self.first, largest=self.largest, tolerance=self.tolerance, smallest=self.least)
         if self.first > self.largest:
             raise ValueError(f"the first step ({self.first}) exceeds the largest ({self.largest})")
         _check_smallest(self.least, self.first)
@@ -114,6 +115,6 @@ class Tolerances:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        _check_positive(residual=self.residual)
+        check_positive(residual=self.residual)
         if self.max_iterations < 1:
             raise ValueError(f"max_iterations must be at least 1, got {self.max_iterations}")

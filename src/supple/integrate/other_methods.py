@@ -1,4 +1,4 @@
-"""Explicit rules for first-order equations, such as those of intrinsic bodies."""
+"""Methods of a run besides the Newmark family: kinematics, explicit rules, rules of first order."""
 
 from __future__ import annotations
 
@@ -6,7 +6,26 @@ from dataclasses import dataclass
 
 from supple.arguments import check_fields
 
-__all__ = ["FirstOrderRule", "ResidualRungeKutta4", "RungeKutta4"]
+__all__ = ["ExplicitRule", "FirstOrderRule", "Kinematic", "ResidualRungeKutta4", "RungeKutta4"]
+
+
+class ExplicitRule:
+    """Base of `supple.methods.explicit.Explicit`, the method of modal parts and nonlinear finite elements."""
+
+
+@dataclass(frozen=True)
+class Kinematic:
+    """Kinematic analysis instead of time integration, for machines with zero degrees of freedom.
+
+        g(q, t) = 0,      G v = -g_t,      G vdot = -d2g/dt2 at constant v
+
+    where g are the constraint equations of the joints and G = dg/dq. The joint forces follow from the motion
+    (inverse dynamics). Each instant is solved iteratively until the joints are closed. If several
+    configurations satisfy the joints, the one nearest to the previous instant is found; the step of the run
+    limits the interval between two instants. Bodies do not deform.
+
+    Source: [Nikravesh1988] chapter 3; for the forces chapter 8.
+    """
 
 
 @dataclass(frozen=True)
