@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+__all__ = ["Array", "BoolArray", "FloatArray", "IntArray"]
+
+Array = NDArray[np.float64]
+FloatArray = Array
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]

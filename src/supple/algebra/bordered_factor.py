@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from supple.algebra.sparse_factor import SparseFactor, factorize_general, factorize_symmetric
+from supple.arrays import Array
 from supple.errors import AccuracyError
 
 __all__ = ["BorderedFactor", "bordered_factor"]
 
-Array = NDArray[np.float64]
 
 LARGEST_REFINEMENT = 1e-3
 """Largest relative change of a solution by one refinement; above it the system counts as singular."""

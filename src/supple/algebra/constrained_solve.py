@@ -11,6 +11,7 @@ from scipy import linalg, sparse
 
 from supple.algebra.constraint_rows import dense_rows
 from supple.algebra.sparse_factor import DirectSolver, SparseFactor, factorize_symmetric
+from supple.arrays import Array
 from supple.errors import AccuracyError, ModelError
 
 __all__ = ["ConstrainedFactor", "GroundedFactor", "constrained_factor", "grounded_factor"]
@@ -35,7 +36,7 @@ class GroundedFactor:
     """
 
     stiffness: sparse.csc_array = field(repr=False)
-    rigid_modes: NDArray[np.float64] = field(repr=False)
+    rigid_modes: Array = field(repr=False)
     springs: NDArray[np.intp]
     factor: SparseFactor
 
@@ -45,7 +46,7 @@ class GroundedFactor:
         return self.factor.n
 
     @property
-    def spring_stiffness(self) -> NDArray[np.float64]:
+    def spring_stiffness(self) -> Array:
         """K of the springs."""
         return _sizes(self.stiffness, self.rigid_modes)[self.springs]
 
@@ -85,7 +86,7 @@ def grounded_factor(
     return GroundedFactor(stiffness, modes, springs, factorize_symmetric(grounded, solver=solver))
 
 
-def _sizes(stiffness: sparse.csc_array, modes: NDArray[np.float64]) -> NDArray[np.float64]:
+def _sizes(stiffness: sparse.csc_array, modes: Array) -> Array:
     """Stiffness (n,) of each freedom; the mean of the others where only freedoms without stiffness move."""
     diagonal = stiffness.diagonal()
     stiff = diagonal > 0
@@ -94,7 +95,7 @@ def _sizes(stiffness: sparse.csc_array, modes: NDArray[np.float64]) -> NDArray[n
     return np.where(stiff, diagonal, np.mean(diagonal[stiff]))
 
 
-def _determinate_freedoms(modes: NDArray[np.float64]) -> NDArray[np.intp]:
+def _determinate_freedoms(modes: Array) -> NDArray[np.intp]:
     count = modes.shape[1]
     if count == 0:
         return np.zeros(0, dtype=np.intp)
@@ -113,23 +114,23 @@ class ConstrainedFactor:
     """Solves K x + D^T mu = b with D x = c; see `constrained_factor`."""
 
     grounded: GroundedFactor
-    constraint: NDArray[np.float64] = field(repr=False)
-    _response: NDArray[np.float64] = field(repr=False)  # K_g^-1 D^T
+    constraint: Array = field(repr=False)
+    _response: Array = field(repr=False)  # K_g^-1 D^T
     _border: Any = field(repr=False)
-    _scale: NDArray[np.float64] = field(repr=False)
+    _scale: Array = field(repr=False)
 
     @property
     def n(self) -> int:
         """Number of freedoms."""
         return self.grounded.n
 
-    def solve(self, loads: ArrayLike | None = None, values: ArrayLike | None = None) -> NDArray[np.float64]:
+    def solve(self, loads: ArrayLike | None = None, values: ArrayLike | None = None) -> Array:
         """Displacement x (n,) or (n, k) under loads b of that shape and values c (m,) or (m, k)."""
         return self.solve_with_multipliers(loads, values)[0]
 
     def solve_with_multipliers(
         self, loads: ArrayLike | None = None, values: ArrayLike | None = None
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    ) -> tuple[Array, Array]:
         """Displacement x and multipliers mu, the forces of the constraint: K x = b - D^T mu."""
         n, m = self.n, self.constraint.shape[0]
         flat = all(given is None or np.ndim(given) == 1 for given in (loads, values))
@@ -148,9 +149,7 @@ class ConstrainedFactor:
             x[:, part], mu[:, part] = self._solve(b[:, part], c[:, part])
         return (x[:, 0], mu[:, 0]) if flat else (x, mu)
 
-    def _solve(
-        self, b: NDArray[np.float64], c: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _solve(self, b: Array, c: Array) -> tuple[Array, Array]:
         D, R = self.constraint, self.grounded.rigid_modes
         x = self.grounded.factor.solve(b) if np.any(b) else np.zeros(b.shape)
         mu = np.zeros(c.shape)
@@ -222,7 +221,7 @@ def constrained_factor(
     return factor
 
 
-def _border_factor(border: NDArray[np.float64], m: int) -> tuple[Any, NDArray[np.float64]]:
+def _border_factor(border: Array, m: int) -> tuple[Any, Array]:
     """Scale the border, as its multipliers have the units of forces and moments, and factor it.
 
     Returns the factor and the scales (m + d,). Raises ModelError for a singular border.
@@ -271,7 +270,7 @@ def _check_equilibrium(factor: ConstrainedFactor) -> None:
         )
 
 
-def _columns(values: ArrayLike, rows: int, what: str) -> NDArray[np.float64]:
+def _columns(values: ArrayLike, rows: int, what: str) -> Array:
     array = np.asarray(values, dtype=np.float64)
     if array.ndim not in (1, 2) or array.shape[0] != rows:
         raise ModelError(f"{what} have shape {array.shape}; give ({rows},) or ({rows}, k)")

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.arrays import Array
 from supple.errors import ModelError
 
 
-def dense_rows(constraint: Any, n: int) -> NDArray[np.float64]:
+def dense_rows(constraint: Any, n: int) -> Array:
     """D as a dense, read-only (m, n) array; (0, n) without a constraint.
 
     Raises ModelError for a wrong shape, or numbers that are not finite.

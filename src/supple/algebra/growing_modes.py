@@ -6,17 +6,16 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, sparse
 
 from supple.algebra.constrained_solve import ConstrainedFactor
 from supple.algebra.eigen import Eigenpairs, lowest_modes
 from supple.algebra.tall_matrix import TallMatrix
+from supple.arrays import Array
 from supple.errors import AccuracyError, ModelError
 
 __all__ = ["GrowingModes", "RitzModes"]
 
-Array = NDArray[np.float64]
 
 # Eight right-hand sides take twice the time of one; wider blocks need a longer Krylov space.
 BLOCK = 8

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from supple.arrays import Array
 
 __all__ = ["largest_vector"]
 
-Array = NDArray[np.float64]
 
 STRIDE = 64
 """Interval, in times, of the first pass; each later pass halves it, so it is a power of two."""

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.algebra.sparse_factor import SparseFactor
+from supple.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,18 +25,18 @@ class LowRankUpdate:
     """
 
     factor: SparseFactor
-    columns: NDArray[np.float64]
-    weights: NDArray[np.float64]
+    columns: Array
+    weights: Array
 
-    def solve(self, loads: ArrayLike) -> NDArray[np.float64]:
+    def solve(self, loads: ArrayLike) -> Array:
         """Solve for loads (n,) or (n, k); the solution has the same shape."""
         y = self.factor.solve(loads)
         return y - self._responses @ np.linalg.solve(self._capacitance, self.columns.T @ y)
 
     @cached_property
-    def _responses(self) -> NDArray[np.float64]:
+    def _responses(self) -> Array:
         return self.factor.solve(self.columns)
 
     @cached_property
-    def _capacitance(self) -> NDArray[np.float64]:
+    def _capacitance(self) -> Array:
         return np.diag(1 / self.weights) + self.columns.T @ self._responses

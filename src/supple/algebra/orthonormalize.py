@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.arrays import Array
 from supple.errors import AccuracyError, ModelError
 
 __all__ = ["OrthonormalBasis", "mass_orthonormalize"]
@@ -18,7 +19,7 @@ LARGEST_GRAM_ERROR = 1e-10
 class OrthonormalBasis(NamedTuple):
     """M-orthonormal columns, and the numbers of the given columns kept and dropped."""
 
-    vectors: NDArray[np.float64]
+    vectors: Array
     kept: NDArray[np.intp]
     dropped: NDArray[np.intp]
 
@@ -89,7 +90,7 @@ def mass_orthonormalize(
     return OrthonormalBasis(result, chosen, np.setdiff1d(np.arange(count), chosen))
 
 
-def _mass_norms(columns: NDArray[np.float64], mass: Any) -> NDArray[np.float64]:
+def _mass_norms(columns: Array, mass: Any) -> Array:
     squares = np.sum(columns * (mass @ columns), axis=0)
     if np.any(squares < 0):
         worst = int(np.argmin(squares))

@@ -12,10 +12,11 @@ from threading import Event, Thread
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from supple.arrays import Array
 from supple.errors import AccuracyError, ModelError, SuppleWarning
 
 __all__ = [
@@ -52,7 +53,7 @@ class Inertia(NamedTuple):
 class RawFactor(NamedTuple):
     """Functions of a library's factor: solve, count signs, refactor with new values."""
 
-    solve: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    solve: Callable[[Array], Array]
     inertia: Callable[[], Inertia]
     refactorize: Callable[[sparse.csc_array], RawFactor]
 
@@ -112,7 +113,7 @@ def _rslab() -> Any:
     return importlib.import_module("rslab")
 
 
-def _solve_with_rslab(factor: Any, b: NDArray[np.float64]) -> NDArray[np.float64]:
+def _solve_with_rslab(factor: Any, b: Array) -> Array:
     return factor.solve(b[:, 0])[:, None] if b.shape[1] == 1 else factor.solve_many(np.ascontiguousarray(b))
 
 
@@ -189,7 +190,7 @@ class SparseFactor:
             self._raw = self._again(self._matrix)
         return self._raw
 
-    def solve(self, loads: ArrayLike) -> NDArray[np.float64]:
+    def solve(self, loads: ArrayLike) -> Array:
         """Solve A x = b for loads of shape (n,) or (n, k); the solution has the same shape."""
         b = np.asarray(loads, dtype=np.float64)
         if b.ndim not in (1, 2) or b.shape[0] != self.n:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+
+from supple.arrays import Array
 
 __all__ = ["TallMatrix"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

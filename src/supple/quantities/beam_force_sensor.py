@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import check_fields
+from supple.arrays import Array
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, beam_force_recovery
 from supple.integrate import FramedMotion, Solution
@@ -21,8 +21,6 @@ from supple.quantities.stress_history import tensor_blocks
 from supple.quantities.tensor_modes import NodalTensor
 
 __all__ = ["BeamForceSensor"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,16 +8,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import Array
 from supple.integrate import Solution
 from supple.machine import System
 from supple.methods.explicit import CONTACTS, OBSTACLES
 from supple.quantities.reading import Channel, QuantityKind, vector_channels
 
 __all__ = ["ContactForce", "ContactForceSensor", "ObstacleSensor", "contact_forces", "contact_names"]
-
-Array = NDArray[np.float64]
 
 
 class ContactForce(NamedTuple):

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import check_fields
+from supple.arrays import Array
 from supple.equations.build_model import initial_points
 from supple.errors import ModelError, did_you_mean
 from supple.integrate import Solution
@@ -21,8 +21,6 @@ from supple.quantities.place import body_named
 from supple.quantities.reading import Channel, QuantityKind
 
 __all__ = ["JointMotionSensor"]
-
-Array = NDArray[np.float64]
 
 
 def joint_named(system: System, name: str, sensor: str) -> Joint:

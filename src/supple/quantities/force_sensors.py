@@ -10,9 +10,9 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import check_fields
+from supple.arrays import Array
 from supple.equations import balances
 from supple.equations.build_model import initial_points
 from supple.errors import ModelError
@@ -31,8 +31,6 @@ __all__ = [
     "joint_loads",
     "joint_meanings",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

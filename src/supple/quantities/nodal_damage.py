@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.arguments import Positive, check_fields, checked_arguments
+from supple.arrays import Array
 from supple.errors import ModelError
 from supple.fatigue import Goodman, Residue, SNCurve, miner_damage, rainflow
 from supple.fem import von_mises
@@ -16,7 +17,6 @@ from supple.quantities.tensor_modes import STRESS, TensorModes, principal_values
 
 __all__ = ["CriticalPlane", "SignedVonMises", "StressCriterion", "hot_spot_damage"]
 
-Array = NDArray[np.float64]
 
 _NUMBERS = 2**22
 """Largest number of history values in memory at a time (32 MiB)."""

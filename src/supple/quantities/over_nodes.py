@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+
+from supple.arrays import Array, IntArray
 
 __all__ = ["Maximum", "Mean", "Nearest", "OverNodes"]
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class MeasuredBlock(NamedTuple):

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import check_sequence, check_text, given
+from supple.arrays import Array
 from supple.body import BodyForm, NodeMotion
 from supple.body.floating_kinematics import checked_nodes
 from supple.errors import ArgumentError, ModelError
@@ -16,8 +16,6 @@ from supple.integrate import Motion, Solution
 from supple.machine import At, System, as_end
 
 __all__ = ["Place"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import check_text
+from supple.arrays import Array
 from supple.errors import ModelError
 from supple.integrate import FramedMotion, Solution
 from supple.machine import GROUND, At, BaseAcceleration, System, as_end
@@ -27,8 +27,6 @@ __all__ = [
     "PositionSensor",
     "VelocitySensor",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import Array
 from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.integrate.solution import concatenate
@@ -18,8 +18,6 @@ from supple.quantities.reading import Channel, Located, QuantityKind, Reading
 from supple.quantities.readings import Readings
 
 __all__ = ["Channel", "LocatedQuantity", "Quantity", "QuantityKind", "read_in_parts", "read_sensors"]
-
-Array = NDArray[np.float64]
 
 
 class Quantity(Protocol):

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import Array
 from supple.body import BodyForm
 from supple.integrate import FramedMotion, Solution
 from supple.machine import System
 from supple.quantities.reading import QuantityKind
 
 __all__ = ["QuantityOfInterest", "WholeBody"]
-
-Array = NDArray[np.float64]
 
 
 ROUND_OFF = 1e-12

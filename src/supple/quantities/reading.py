@@ -9,18 +9,16 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.algebra import read_only
 from supple.arguments import checked_arguments
+from supple.arrays import Array, IntArray
 from supple.errors import ModelError
 from supple.summary import Summarized, Summary
 from supple.units import UNNAMED, UnitSystem, labelled
 
 __all__ = ["Located", "Reading"]
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class QuantityKind(Enum):

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import Array
 from supple.errors import ModelError
 from supple.optional_packages import optional_package
 from supple.quantities.reading import Channel, Reading
@@ -18,7 +18,6 @@ from supple.units import UNNAMED, UnitSystem
 
 __all__ = ["Columns", "Readings"]
 
-Array = NDArray[np.float64]
 
 TIME = "Time"
 """Name of the first column of every table."""

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from supple.arguments import check_fields
+from supple.arrays import Array
 from supple.body.sections import CuttingPlane, Sections
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
@@ -51,7 +49,7 @@ class SectionForceSensor:
             raise ModelError(f"sensor '{self.name}': {error}") from error
         return vector_channels(sections.axes, LOAD)
 
-    def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
+    def values(self, system: System, solution: Solution) -> Array:
         """(t, 6)."""
         return self._sections(system).loads(solution.bodies[self.place.body], self._plane(system))
 

@@ -7,8 +7,9 @@ from functools import partial
 from typing import NamedTuple, TypeGuard
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.arrays import Array, IntArray
 from supple.body import BodyForm
 from supple.body.floating_kinematics import checked_nodes
 from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
@@ -18,7 +19,6 @@ from supple.reduction import ReducedBody
 
 __all__ = ["LargestStress", "largest_stress", "von_mises_by_end", "von_mises_history"]
 
-Array = NDArray[np.float64]
 # Numbers in memory at a time: modes of some nodes (128 MiB), and the field at some times (32 MiB).
 _MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22
 # Largest number of values of modes cached for many calls (1 GiB).
@@ -155,7 +155,7 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
     return largest
 
 
-def _searched_times(coordinates: Array) -> NDArray[np.int64]:
+def _searched_times(coordinates: Array) -> IntArray:
     """Indices of the output times at which all nodes are searched for the largest stress."""
     evenly = np.linspace(0, len(coordinates) - 1, _SEARCHED).astype(int)
     extremes = np.concatenate([coordinates.argmin(axis=0), coordinates.argmax(axis=0)])
@@ -164,7 +164,7 @@ def _searched_times(coordinates: Array) -> NDArray[np.int64]:
     return np.unique(np.concatenate([evenly, most]))
 
 
-def nodes_with_stress(recovery: StressRecovery) -> NDArray[np.int64]:
+def nodes_with_stress(recovery: StressRecovery) -> IntArray:
     """Numbers of the nodes of elements that have stress."""
     return np.unique(np.concatenate([section.nodes.ravel() for section in recovery.sections]))
 

@@ -9,9 +9,9 @@ from typing import Any, ClassVar, Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import check_fields
+from supple.arrays import Array, IntArray
 from supple.body.floating_kinematics import checked_nodes
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, stress_layers, stress_recovery, von_mises, von_mises_strain
@@ -32,8 +32,6 @@ from supple.quantities.tensor_modes import (
 
 __all__ = ["Component", "Principal", "StrainSensor", "StressSensor", "TensorMeasure", "VonMises"]
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
@@ -118,7 +116,7 @@ class _TensorSensor(ABC):
     name: str
     body: str
     model: FiniteElementModel
-    nodes: int | Sequence[int] | NDArray[np.int64]
+    nodes: int | Sequence[int] | IntArray
     measure: TensorMeasure = field(default_factory=VonMises)
     over: OverNodes = field(default_factory=Maximum)
     _modes: WeakKeyDictionary[Any, TensorModes] = field(

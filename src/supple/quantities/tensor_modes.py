@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
+from supple.arrays import Array, IntArray
 from supple.body.floating_kinematics import checked_nodes
 from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
 from supple.errors import ModelError
@@ -27,8 +28,6 @@ from supple.reduction import ReducedBody
 
 __all__ = ["TensorModes", "strain_modes", "stress_modes"]
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # Number of field values in memory at one time (32 MiB): all values of a long run of a large body do not fit.
 _FIELD_NUMBERS = 2**22

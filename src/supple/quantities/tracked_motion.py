@@ -8,8 +8,9 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.arrays import Array
 from supple.body import BodyForm
 from supple.integrate import FramedMotion, Motion, Solution
 from supple.machine import At, System
@@ -26,8 +27,6 @@ __all__ = [
     "tracked_motion",
     "tracked_places",
 ]
-
-Array = NDArray[np.float64]
 
 
 def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> Array:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import checked_arguments
+from supple.arrays import Array
 from supple.errors import ConvergenceError, IdentifiabilityWarning, ModelError, SuppleWarning, did_you_mean
 from supple.integrate import Run, Solution
 from supple.progress import with_progress_bar
@@ -26,7 +27,6 @@ from supple.simulation.watched_run import watched_run
 
 __all__ = ["calibrate"]
 
-Array = NDArray[np.float64]
 
 _MOST = 100
 """Largest number of residual evaluations of a fit; runs for Jacobians are not counted."""

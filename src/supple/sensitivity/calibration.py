@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import Array
 from supple.integrate import Solution
 from supple.summary import Summarized, Summary
 
 __all__ = ["Calibration", "Uncertainty", "uncertainty"]
 
-Array = NDArray[np.float64]
 
 _UNDETERMINED = 1e-7
 """Singular values of the scaled Jacobian up to this fraction of the largest count as zero."""

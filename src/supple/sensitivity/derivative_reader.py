@@ -13,8 +13,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import Array
 from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import System
@@ -28,7 +28,6 @@ from supple.sensitivity.parameter_changes import ParameterChanges
 
 __all__ = ["DerivativeReader", "read"]
 
-Array = NDArray[np.float64]
 
 _STEPS = (1.0, 1e-2, 1e-4)
 """Steps along motion', relative to the smaller of `small_step` and the parameter's step: the next one is

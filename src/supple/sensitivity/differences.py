@@ -15,7 +15,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from supple.arrays import Array
 
 __all__ = ["OFFSETS", "central_difference", "looks_smooth"]
 
@@ -30,7 +32,7 @@ _NOTHING = 1e-6
 """Smallest reference value for `_ROUNDING`: below it, values count as rounding errors of zero."""
 
 
-def central_difference(values: Sequence[ArrayLike], step: float) -> NDArray[np.float64]:
+def central_difference(values: Sequence[ArrayLike], step: float) -> Array:
     """Derivative from four values, at `OFFSETS` times the step."""
     far_below, below, above, far_above = (np.asarray(own, dtype=float) for own in values)
     return (8 * (above - below) - (far_above - far_below)) / (12 * step)

@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from supple.arguments import check_numbers, check_text
+from supple.arrays import Array
 from supple.errors import ModelError
 from supple.machine import System
 from supple.sensitivity.observable import observables_of
 
 __all__ = ["Measurement"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,17 +7,15 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import check_fields
+from supple.arrays import Array
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import ForceElement, Joint, Placed, System
 
 __all__ = ["Observable", "Observables", "Statistic"]
-
-Array = NDArray[np.float64]
 
 
 class Observable(Protocol):

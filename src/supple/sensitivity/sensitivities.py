@@ -9,10 +9,10 @@ from types import MappingProxyType
 
 import jax
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import check_number, checked_arguments
+from supple.arrays import Array
 from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_length import report_step_length
 from supple.equations.checks.validity import watch
@@ -30,8 +30,6 @@ from supple.simulation.watched_run import check_laws_cover, warn_of_unseen_laws
 from supple.summary import Summarized, Summary, listed
 
 __all__ = ["Sensitivities", "sensitivities"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
