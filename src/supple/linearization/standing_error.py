@@ -19,8 +19,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import block_diag, csc_array, csr_array, eye_array
-from scipy.sparse.linalg import splu
+from scipy.sparse import block_diag, csr_array, eye_array
 
 from supple.body import FullBody, frame_projector
 from supple.errors import AccuracyError
@@ -31,6 +30,7 @@ from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.standing_axes import FEW, RotatingMachine, Sampled
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.resting_state import RestingState
+from supple.simulation.stored_basis import coordinates_of_nodes
 
 __all__ = ["StandingTurn", "slowest_in_standing_axes"]
 
@@ -123,10 +123,10 @@ class StandingTurn:
 
     def _with(self, name: str, basis: Array, added: Array) -> Array:
         full = self.fulls[name]
-        body, T = full.body, full.body.expansion
+        body = full.body
         around = self.machine.axis_in_body(self.found.system.body_index(name))
-        nodal = waves_around(full.nodes, T @ added, *around)
-        added = frame_projector(body, full.frame)(splu(csc_array(T.T @ T)).solve(T.T @ nodal))
+        nodal = waves_around(full.nodes, body.expansion @ added, *around)
+        added = frame_projector(body, full.frame)(coordinates_of_nodes(body)(nodal))
         weight = basis.T @ (body.mass @ basis)
         for _ in range(2):
             added = added - basis @ np.linalg.solve(weight, basis.T @ (body.mass @ added))

@@ -17,13 +17,11 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
 from supple.body import BodyForm, FlexibleBody, MeanAxisFrame
 from supple.errors import ModelError
-from supple.simulation.stored_basis import stored_basis
+from supple.simulation.stored_basis import coordinates_of_nodes, stored_basis
 
 __all__ = ["Deformation", "PlacedFrame", "ProjectionLoss", "TransferredDeformation", "carried_deformation"]
 
@@ -104,11 +102,7 @@ def carried_deformation(
     """
     _check_same_mesh(now, nodes)
     body = _flexible(now)
-    normal = splu(csc_array(body.expansion.T @ body.expansion))
-
-    def coordinates_of(nodal: Array) -> Array:
-        return normal.solve(body.expansion.T @ nodal)
-
+    coordinates_of = coordinates_of_nodes(body)
     if _frame(then) != _frame(now) or now.kind == "full":
         state, deformation = _seen_from(body, _frame(now), state, deformation, coordinates_of)
     x, dx = (coordinates_of(each) for each in deformation)

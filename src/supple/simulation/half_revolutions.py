@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
-from typing import Any
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -34,8 +31,7 @@ def report_half_revolutions(system: System, run: Run, solution: Solution) -> Non
     """
     intervals = np.diff(solution.times)
     for load in system.loads:  # the set-point of a servo that a controller drives is unknown
-        consequence = _consequence(load)
-        if not consequence or not isinstance(load, ForceElement):
+        if not isinstance(load, ForceElement) or not (consequence := _consequence(load)):
             continue
         ends = both_ends(system, solution, load, load.label)
         angles, rates = map(np.asarray, _angles(load, *ends, solution.times))
@@ -48,48 +44,27 @@ def report_half_revolutions(system: System, run: Run, solution: Solution) -> Non
             warn_or_raise(f"{load.label}: by t = {time:.6g} {consequence}", ValidityWarning, run.validity)
 
 
-@singledispatch
-def _consequence(load: Any) -> str:  # noqa: ARG001
+def _consequence(load: ForceElement) -> str:
     """What a passed half revolution means, and the remedy; empty for loads without such a limit."""
+    match load:
+        case TorsionSpringDamper() if load.stiffness:
+            return f"its angle passes half a revolution, where its moment jumps. {_COUNTING}"
+        case TabledTorque() if not load.is_periodic and np.ptp(np.asarray(load.torque.z), axis=0).any():
+            return f"its angle passes half a revolution, where its row jumps. {_COUNTING}"
+        case AngleServo() if load.stiffness:
+            return (
+                "the difference from its set-point passes half a revolution, where its moment changes sign. "
+                "Give a slower law, or a larger limit or stiffness"
+            )
+        case Bushing() if any(np.asarray(each)[3:, 3:].any() for each in (load.stiffness, load.damping)):
+            return (
+                "its rotation passes half a revolution, where its moment jumps. For a bearing that turns "
+                "give a Revolute joint or a JournalBearing"
+            )
     return ""
 
 
-@_consequence.register
-def _(load: TorsionSpringDamper) -> str:
-    return (
-        f"its angle passes half a revolution, where its moment jumps. {_COUNTING}" if load.stiffness else ""
-    )
-
-
-@_consequence.register
-def _(load: TabledTorque) -> str:
-    torques = np.asarray(load.torque.z)
-    varies = not load.is_periodic and bool(np.ptp(torques, axis=0).any())
-    return f"its angle passes half a revolution, where its row jumps. {_COUNTING}" if varies else ""
-
-
-@_consequence.register
-def _(load: AngleServo) -> str:
-    return (
-        "the difference from its set-point passes half a revolution, where its moment changes sign. Give a "
-        "slower law, or a larger limit or stiffness"
-        if load.stiffness
-        else ""
-    )
-
-
-@_consequence.register
-def _(load: Bushing) -> str:
-    resists = np.any(np.asarray(load.stiffness)[3:, 3:]) or np.any(np.asarray(load.damping)[3:, 3:])
-    return (
-        "its rotation passes half a revolution, where its moment jumps. For a bearing that turns give a "
-        "Revolute joint or a JournalBearing"
-        if resists
-        else ""
-    )
-
-
-def _angles(load: ForceElement, first: Pose, second: Pose, times: np.ndarray) -> Any:
+def _angles(load: ForceElement, first: Pose, second: Pose, times: np.ndarray) -> tuple[jax.Array, jax.Array]:
     """Angles (t, k) that the element limits to half a revolution, and their rates."""
     if isinstance(load, Bushing):
         return _turns(first, second)
@@ -103,6 +78,6 @@ def _angles(load: ForceElement, first: Pose, second: Pose, times: np.ndarray) ->
 
 @jax.jit
 @jax.vmap
-def _turns(first: Pose, second: Pose) -> Any:
+def _turns(first: Pose, second: Pose) -> tuple[jax.Array, jax.Array]:
     spin = first.axes.T @ (second.angular_velocity - first.angular_velocity)
     return rotation_log(first.axes.T @ second.axes), spin

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from supple.body.full_body import FullBody
+from supple.body import FlexibleBody, FullBody
 from supple.errors import ModelError
 from supple.machine import System
 from supple.reduction import ReducedBody, ReductionBasis
 
-__all__ = ["stored_bases", "stored_basis"]
+__all__ = ["coordinates_of_nodes", "stored_bases", "stored_basis"]
 
 DIFFERENT = 1e-8
 """Least-squares residual, relative to the nodal basis, above which `full` and `reduced` do not match."""
 LIKE = 1e-6
 """Difference of the projected stiffness, relative to the reduced one, above which they do not match."""
+
+
+def coordinates_of_nodes(body: FlexibleBody) -> Callable[[np.ndarray], np.ndarray]:
+    """Function that finds the coordinates (n, ..) of nodal freedoms (n_nodal, ..), by least squares."""
+    T = body.expansion
+    normal = splu(csc_array(T.T @ T))
+    return lambda nodal: normal.solve(np.asarray(T.T @ nodal))
 
 
 def stored_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
@@ -33,10 +40,8 @@ def stored_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
             "coordinates, so the reduced basis is unknown in them. Keep all coordinates: "
             'CompleteBasis(), or reduction = { basis = "complete" }'
         )
-    T = full.body.expansion
-    normal = splu(csc_array(T.T @ T))
-    columns = normal.solve(np.asarray(T.T @ reduced.nodal_basis))
-    left = np.abs(T @ columns - reduced.nodal_basis).max()
+    columns = coordinates_of_nodes(full.body)(reduced.nodal_basis)
+    left = np.abs(full.body.expansion @ columns - reduced.nodal_basis).max()
     stiffness = columns.T @ (full.body.stiffness @ columns)
     stiffer = np.abs(stiffness - reduced.stiffness).max() > LIKE * np.abs(reduced.stiffness).max()
     if stiffer or left > DIFFERENT * np.abs(reduced.nodal_basis).max():
