@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from supple.errors import ModelError
 from supple.export.c.blocks import CodeBlock, loops
 from supple.export.c.operations import ArrayOperation
-from supple.export.c.printer import RULES, rule
+from supple.export.c.printer import RULES, Shapes, Values, rule
 from supple.export.c.values import Value, c_type, literal
 
-
-def _sum(total: str, term: str) -> str:
-    return f"{total} + {term}"
-
-
-_FORMS: dict[str, tuple[Any, Callable[[str, str], str]]] = {
-    "sum": (0, _sum),
+_FORMS: dict[str, tuple[float, Callable[[str, str], str]]] = {
+    "sum": (0, lambda total, term: f"{total} + {term}"),
     "prod": (1, lambda total, term: f"{total} * {term}"),
     "and": (True, lambda total, term: f"{total} && {term}"),
     "or": (False, lambda total, term: f"{total} || {term}"),
@@ -45,37 +40,30 @@ def _form(name: str, value: Value) -> tuple[str, Callable[[str, str], str]]:
     return literal(first, value.dtype), form
 
 
-def _reduced(name: str) -> Any:
-    def printed(
-        block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-    ) -> list[Value]:
-        value, axes = inputs[0], set(one.params["axes"])
-        start, form = _form(name, value)
-        target = block.array(outputs[0].shape, outputs[0].dtype)
-        heads, index = loops([n for axis, n in enumerate(value.shape) if axis not in axes], "i")
-        inner, summed = loops([n for axis, n in enumerate(value.shape) if axis in axes], "k")
-        own, along = iter(index), iter(summed)
-        whole = [next(along) if axis in axes else next(own) for axis in range(len(value.shape))]
-        kind = c_type(value.dtype)
-        term = form("sum", value.at(whole)) if value.size else "sum"
-        block.add(
-            f"{heads}{{ {kind} sum = {start}; "
-            + (f"{inner}sum = {term}; " if value.size else "")
-            + f"{target.at(index)} = sum; }}"
-        )
-        return [target]
-
-    return printed
+def _reduced(name: str, block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
+    value, axes = inputs[0], set(one.params["axes"])
+    start, form = _form(name, value)
+    target = block.array(outputs[0].shape, outputs[0].dtype)
+    heads, index = loops([n for axis, n in enumerate(value.shape) if axis not in axes], "i")
+    inner, summed = loops([n for axis, n in enumerate(value.shape) if axis in axes], "k")
+    own, along = iter(index), iter(summed)
+    whole = [next(along) if axis in axes else next(own) for axis in range(len(value.shape))]
+    kind = c_type(value.dtype)
+    term = form("sum", value.at(whole)) if value.size else "sum"
+    block.add(
+        f"{heads}{{ {kind} sum = {start}; "
+        + (f"{inner}sum = {term}; " if value.size else "")
+        + f"{target.at(index)} = sum; }}"
+    )
+    return [target]
 
 
 for _name in _FORMS:
-    RULES[f"reduce_{_name}"] = _reduced(_name)
+    RULES[f"reduce_{_name}"] = partial(_reduced, _name)
 
 
 @rule("argmax", "argmin")
-def _extreme(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _extreme(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, axis = block.stored(inputs[0]), one.params["axes"][0]
     sign = ">" if one.name == "argmax" else "<"
     target = block.array(outputs[0].shape, outputs[0].dtype)
@@ -96,39 +84,32 @@ def _extreme(
     return [target]
 
 
-def _running(name: str) -> Any:
-    def printed(
-        block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-    ) -> list[Value]:
-        value, axis = block.stored(inputs[0]), one.params["axis"]
-        start, form = _form(name, value)
-        target = block.array(outputs[0].shape, outputs[0].dtype)
-        n, backward = value.shape[axis], one.params["reverse"]
-        heads, index = loops([1 if place == axis else m for place, m in enumerate(value.shape)], "i")
-        index[axis] = "j" if n > 1 else "0"
-        place = f"{n - 1} - k" if backward else "k"
-        block.add(
-            f"{heads}{{ {c_type(value.dtype)} sum = {start}; for (int k = 0; k < {n}; ++k) {{ "
-            f"const int j = {place}; (void)j; "
-            f"sum = {form('sum', value.at(index))}; {target.at(index)} = sum; }} }}"
-        )
-        return [target]
-
-    return printed
+def _running(name: str, block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
+    value, axis = block.stored(inputs[0]), one.params["axis"]
+    start, form = _form(name, value)
+    target = block.array(outputs[0].shape, outputs[0].dtype)
+    n, backward = value.shape[axis], one.params["reverse"]
+    heads, index = loops([1 if place == axis else m for place, m in enumerate(value.shape)], "i")
+    index[axis] = "j" if n > 1 else "0"
+    place = f"{n - 1} - k" if backward else "k"
+    block.add(
+        f"{heads}{{ {c_type(value.dtype)} sum = {start}; for (int k = 0; k < {n}; ++k) {{ "
+        f"const int j = {place}; (void)j; "
+        f"sum = {form('sum', value.at(index))}; {target.at(index)} = sum; }} }}"
+    )
+    return [target]
 
 
 for _name, _form_name in {"cumsum": "sum", "cumprod": "prod", "cummax": "max", "cummin": "min"}.items():
-    RULES[_name] = _running(_form_name)
+    RULES[_name] = partial(_running, _form_name)
 
 
 @rule("sort")
-def _sort(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _sort(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     if len(outputs[0].shape) != 1 or one.params["num_keys"] != 1:
         raise ModelError("C export can sort one-dimensional arrays by one key only: sort each row separately")
     arrays = [block.copied(value) for value in inputs]
-    n = len(range(outputs[0].shape[0]))
+    n = outputs[0].shape[0]
     if n < 2:
         return list(arrays)
     takes = " ".join(

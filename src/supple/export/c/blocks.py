@@ -91,13 +91,16 @@ class CodeBlock:
 
     def stored(self, value: Value) -> BufferView | UniformValue:
         """The value in storage, so that reading it twice does not compute it twice."""
-        return value if isinstance(value, BufferView | UniformValue) else self.copied(value)
+        return value if isinstance(value, UniformValue) else self.view(value)
+
+    def view(self, value: Value) -> BufferView:
+        """The value in storage, also one of equal constants."""
+        return value if isinstance(value, BufferView) else self.copied(value)
 
     def in_order(self, value: Value) -> BufferView:
         """The value stored without gaps, in row-major order."""
-        if isinstance(value, BufferView) and value.is_contiguous:
-            return value
-        return self.copied(value)
+        view = self.view(value)
+        return view if view.is_contiguous else self.copied(view)
 
     def copied(self, value: Value) -> BufferView:
         """A copy of the value in new storage."""

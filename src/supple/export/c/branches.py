@@ -4,33 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from supple.export.c.blocks import CodeBlock
 from supple.export.c.operations import ArrayOperation, Program, program_of
-from supple.export.c.printer import constants_in, print_block, rule
+from supple.export.c.printer import Shapes, Values, constants_in, print_block, rule
 from supple.export.c.values import BufferView, UniformValue, Value
 
 __all__ = ["hand_on"]
 
 
-def _unchanged(program: Program, place: int, n_before: int) -> bool:
-    """Whether a loop leaves the carried value at a position unchanged."""
-    atom = program.outputs[place]
-    return isinstance(atom, int) and atom == program.inputs[n_before + place]
+def _carried(block: CodeBlock, body: Program, n_before: int, first: Values) -> tuple[list[Value], list[bool]]:
+    """The values that a loop carries, stored with their first values, and whether the loop changes each."""
+    own = zip(first, body.inputs[n_before:], body.outputs, strict=False)
+    changes = [not (isinstance(after, int) and after == before) for _, before, after in own]
+    does = zip(first, changes, strict=True)
+    return [block.copied(value) if each else block.stored(value) for value, each in does], changes
 
 
-def _carried(block: CodeBlock, value: Value, changes: bool) -> Value:
-    if not changes:
-        return block.stored(value)
-    return block.copied(value)
-
-
-def hand_on(
-    block: CodeBlock, carried: Sequence[Value], after: Sequence[Value], changes: Sequence[bool]
-) -> None:
+def hand_on(block: CodeBlock, carried: Values, after: Values, changes: Sequence[bool]) -> None:
     """Assign the results of an iteration to the carried values, as one simultaneous assignment."""
     moves = [(old, new) for old, new, does in zip(carried, after, changes, strict=True) if does]
     buffers = {id(old.buffer) for old, _ in moves if isinstance(old, BufferView)}
@@ -44,16 +37,12 @@ def hand_on(
 
 
 @rule("while")
-def _while(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], _outputs: Sequence[Any]
-) -> list[Value]:
+def _while(block: CodeBlock, one: ArrayOperation, inputs: Values, _outputs: Shapes) -> Values:
     condition, body = program_of(one.params["cond_jaxpr"]), program_of(one.params["body_jaxpr"])
     n_condition, n_body = one.params["cond_nconsts"], one.params["body_nconsts"]
     held = [block.stored(value) for value in inputs[: n_condition + n_body]]
     of_condition, of_body = held[:n_condition], held[n_condition:]
-    first = inputs[n_condition + n_body :]
-    changes = [not _unchanged(body, place, n_body) for place in range(len(first))]
-    carried = [_carried(block, value, does) for value, does in zip(first, changes, strict=True)]
+    carried, changes = _carried(block, body, n_body, inputs[n_condition + n_body :])
 
     inner = block.inner()
     (continues,) = print_block(inner, condition, [*of_condition, *carried])
@@ -65,15 +54,11 @@ def _while(
 
 
 @rule("scan")
-def _scan(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _scan(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     body, length = program_of(one.params["jaxpr"]), one.params["length"]
     n_held, n_carried = one.params["num_consts"], one.params["num_carry"]
     held = [block.stored(value) for value in inputs[:n_held]]
-    first = inputs[n_held : n_held + n_carried]
-    changes = [not _unchanged(body, place, n_held) for place in range(n_carried)]
-    carried = [_carried(block, value, does) for value, does in zip(first, changes, strict=True)]
+    carried, changes = _carried(block, body, n_held, inputs[n_held : n_held + n_carried])
     along = [block.stored(value) for value in inputs[n_held + n_carried :]]
     number = block.array((), np.dtype(np.int32)).at(())
     rows = [block.array(each.shape, each.dtype) for each in outputs[n_carried:]]
@@ -104,9 +89,7 @@ def _row_of(value: BufferView, place: str) -> BufferView:
 
 
 @rule("cond")
-def _cond(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _cond(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     branches = [program_of(branch) for branch in one.params["branches"]]
     which, operands = inputs[0], [block.stored(value) for value in inputs[1:]]
     known = constants_in([which]).get(0)

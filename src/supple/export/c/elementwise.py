@@ -4,27 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
 from supple.errors import ModelError
 from supple.export.c.blocks import CodeBlock
 from supple.export.c.operations import ArrayOperation
-from supple.export.c.printer import RULES, rule
-from supple.export.c.values import Computed, Value, c_type
-
-__all__ = ["elementwise"]
+from supple.export.c.printer import RULES, Shapes, Values, rule
+from supple.export.c.values import Computed, c_type
 
 
-def elementwise(
-    block: CodeBlock, shape: Sequence[int], dtype: Any, operands: Sequence[Value], form: Callable[..., str]
-) -> Value:
-    """The value with elements `form(*elements of the operands)`; axes of one entry are broadcast."""
-    shape = tuple(shape)
+def _elementwise(block: CodeBlock, inputs: Values, outputs: Shapes, form: Callable[..., str]) -> Values:
+    """The output with elements `form(*elements of the inputs)`; axes of one entry are broadcast."""
+    shape, dtype = tuple(outputs[0].shape), np.dtype(outputs[0].dtype)
     size = math.prod(shape)
     # Broadcast operands are computed once.
-    operands = [block.stored(own) if own.size < size else own for own in operands]
+    operands = [block.stored(own) if own.size < size else own for own in inputs]
 
     def by_index(index: Sequence[str]) -> str:
         return form(
@@ -50,33 +45,25 @@ def elementwise(
         ]
         return None if any(part is None for part in parts) else form(*parts)
 
-    return Computed(shape, np.dtype(dtype), by_index, by_number)
+    return [Computed(shape, dtype, by_index, by_number)]
 
 
 def _register(name: str, form: Callable[..., str]) -> None:
-    def printed(
-        block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-    ) -> list[Value]:
-        return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, form)]
-
-    RULES[name] = printed
+    RULES[name] = lambda block, _one, inputs, outputs: _elementwise(block, inputs, outputs, form)
 
 
 def _by_kind(name: str, **forms: Callable[..., str]) -> None:
     """Register a primitive whose form depends on the first operand: float, integer or boolean."""
 
-    def printed(
-        block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-    ) -> list[Value]:
+    @rule(name)
+    def _(block: CodeBlock, _one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
         kind = {"f": "real", "i": "whole", "u": "whole", "b": "logical"}[inputs[0].dtype.kind]
         if kind not in forms:
             raise ModelError(
                 f"the machine's equations use the operation '{name}' of {inputs[0].dtype} numbers, which has "
                 "no translation to C: convert them to floats first"
             )
-        return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, forms[kind])]
-
-    RULES[name] = printed
+        return _elementwise(block, inputs, outputs, forms[kind])
 
 
 def _operator(sign: str) -> Callable[[str, str], str]:
@@ -147,33 +134,25 @@ for _name in ("copy", "copy_p", "stop_gradient", "reduce_precision"):
 
 
 @rule("optimization_barrier")
-def _same(
-    _block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], _outputs: Sequence[Any]
-) -> list[Value]:
+def _same(_block: CodeBlock, _one: ArrayOperation, inputs: Values, _outputs: Shapes) -> Values:
     return list(inputs)
 
 
 @rule("round")
-def _round(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _round(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     function = "rint" if int(one.params["rounding_method"]) == 1 else "round"
-    return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, _function(function))]
+    return _elementwise(block, inputs, outputs, _function(function))
 
 
 @rule("integer_pow")
-def _integer_pow(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _integer_pow(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     power = int(one.params["y"])
     name = "integer_pow_" if inputs[0].dtype.kind == "f" else "whole_pow_"
-    return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, lambda a: f"{name}({a}, {power})")]
+    return _elementwise(block, inputs, outputs, lambda a: f"{name}({a}, {power})")
 
 
 @rule("convert_element_type")
-def _convert(
-    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _convert(block: CodeBlock, _one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     before, after = c_type(inputs[0].dtype), c_type(outputs[0].dtype)
     if before == after:
         return list(inputs)
@@ -181,13 +160,11 @@ def _convert(
     def form(a: str) -> str:
         return f"({a} != 0)" if after == "bool" else f"(({after}){a})"
 
-    return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, form)]
+    return _elementwise(block, inputs, outputs, form)
 
 
 @rule("select_n")
-def _select(
-    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _select(block: CodeBlock, _one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     def form(which: str, *cases: str) -> str:
         if len(cases) == 2:
             return f"({which} ? {cases[1]} : {cases[0]})"
@@ -195,4 +172,4 @@ def _select(
             f"({which} == 0 ? {cases[0]} : {form(f'({which} - 1)', *cases[1:])})" if cases[1:] else cases[0]
         )
 
-    return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, form)]
+    return _elementwise(block, inputs, outputs, form)

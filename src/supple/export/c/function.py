@@ -8,6 +8,7 @@ from typing import Any
 
 import jax
 import numpy as np
+from numpy.typing import DTypeLike
 
 from supple.export.c import array_reductions, branches, elementwise, indexing, linear_algebra, shapes
 from supple.export.c.blocks import CodeBlock
@@ -28,7 +29,7 @@ HEAD = "#include <math.h>\n#include <stdbool.h>\n#include <stdint.h>\n\n" + file
 """First lines of every C file."""
 
 
-def named_view(name: str, shape: Sequence[int], dtype: Any, *, is_scalar: bool = False) -> BufferView:
+def named_view(name: str, shape: Sequence[int], dtype: DTypeLike, *, is_scalar: bool = False) -> BufferView:
     """A view of an array that has a given name in C."""
     shape = tuple(shape)
     size = int(np.prod(shape, dtype=int))

@@ -4,31 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
+import jax
 import numpy as np
 
 from supple.errors import ModelError
 from supple.export.c.blocks import CodeBlock, loops
 from supple.export.c.operations import ArrayOperation
-from supple.export.c.printer import rule
+from supple.export.c.printer import Shapes, Values, rule
 from supple.export.c.values import BufferView, UniformValue, Value, c_type, row_major
 
 
-def _readable(block: CodeBlock, value: Value) -> BufferView:
-    value = block.stored(value)
-    return block.copied(value) if isinstance(value, UniformValue) else value
-
-
 @rule("dot_general")
-def _dot(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _dot(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     """`out[b, m, n] = sum over k of left[b, m, k] right[b, n, k]`; each letter is any number of axes."""
     (left_sum, right_sum), (left_batch, right_batch) = one.params["dimension_numbers"]
     if not all(value.size for value in inputs):
         return [UniformValue(tuple(outputs[0].shape), np.dtype(outputs[0].dtype), 0)]
-    left, right = (_readable(block, value) for value in inputs)
+    left, right = (block.view(value) for value in inputs)
     left_free = [axis for axis in range(len(left.shape)) if axis not in (*left_sum, *left_batch)]
     right_free = [axis for axis in range(len(right.shape)) if axis not in (*right_sum, *right_batch)]
     target = block.array(outputs[0].shape, outputs[0].dtype)
@@ -77,8 +70,7 @@ def _streamed(block: CodeBlock, value: BufferView, free: Sequence[int]) -> Buffe
     """Constants reordered so that their last free axis is contiguous; other values are not changed."""
     if value.known is None or _runs_on(value, free) or not any(value.shape[axis] > 1 for axis in free):
         return value
-    order = [axis for axis in range(len(value.shape)) if axis not in free]
-    order += list(free)
+    order = [*(axis for axis in range(len(value.shape)) if axis not in free), *free]
     again = block.known(np.ascontiguousarray(np.transpose(value.known, order)))
     if not isinstance(again, BufferView):
         return value
@@ -89,9 +81,7 @@ def _streamed(block: CodeBlock, value: BufferView, free: Sequence[int]) -> Buffe
 
 
 @rule("lu")
-def _lu(
-    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _lu(block: CodeBlock, _one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     factors = _array(block, outputs[0])
     block.assign(factors, inputs[0])
     pivots, order = (_array(block, each) for each in outputs[1:])
@@ -105,7 +95,7 @@ def _lu(
     return [factors, pivots, order]
 
 
-def _array(block: CodeBlock, one: Any) -> BufferView:
+def _array(block: CodeBlock, one: jax.ShapeDtypeStruct | Value) -> BufferView:
     """Storage for a C function that takes its address: an array, also for a single element."""
     view = block.array(one.shape, one.dtype)
     view.buffer.is_scalar = False
@@ -120,9 +110,7 @@ def _pointer(view: BufferView, offset: int) -> str:
 
 
 @rule("triangular_solve")
-def _triangular(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _triangular(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     if one.params["conjugate_a"]:
         raise ModelError("C export has no complex numbers: write the law or controller with real numbers")
     matrix = block.in_order(inputs[0])

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.resources import files
 from string import Template
-from typing import Any
 
 import jax
 import numpy as np
@@ -164,7 +163,7 @@ def _recorded(step: StepProgram) -> tuple[np.ndarray, np.ndarray]:
     total = max(1, min(_STEPS, round(step.duration / step.size)))
     every = max(1, total // _RECORDED)
     times = float(step.start.state.time) + step.size * np.arange(every, total + 1, every)
-    now: Any = step.start
+    now = step.start
     rows = []
     for time in times:
         now = step.compiled(now, time)

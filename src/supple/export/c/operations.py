@@ -10,10 +10,11 @@ from typing import Any
 import jax
 import numpy as np
 from jax.extend import core
+from numpy.typing import ArrayLike
 
 from supple.equations.compiler_options import STARTING
 
-__all__ = ["ArrayOperation", "Program", "program_of", "with_known"]
+__all__ = ["ArrayOperation", "Atom", "Program", "program_of", "with_known"]
 
 _CALLS = {
     "jit": "jaxpr",
@@ -38,7 +39,7 @@ Atom = int | np.ndarray
 class ArrayOperation:
     """One JAX primitive with its operands and results."""
 
-    primitive: Any
+    primitive: core.Primitive
     inputs: tuple[Atom, ...]
     outputs: tuple[int, ...]
     params: dict[str, Any]
@@ -77,8 +78,8 @@ def program_of(closed: core.ClosedJaxpr) -> Program:
         shapes[number] = jax.ShapeDtypeStruct(variable.aval.shape, variable.aval.dtype)
         return number
 
-    def written_out(inner: Any, constants: Sequence[Any], inputs: Sequence[Atom]) -> list[Atom]:
-        known: dict[Any, Atom] = {
+    def written_out(inner: core.Jaxpr, constants: Sequence[ArrayLike], inputs: Sequence[Atom]) -> list[Atom]:
+        known: dict[core.Var, Atom] = {
             variable: np.asarray(value) for variable, value in zip(inner.constvars, constants, strict=True)
         }
         known |= dict(zip(inner.invars, inputs, strict=True))

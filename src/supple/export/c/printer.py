@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
-from typing import Any
 
+import jax
 import numpy as np
 
 from supple.errors import ModelError
 from supple.export.c.blocks import CodeBlock, Constants
-from supple.export.c.operations import ArrayOperation, Program, with_known
+from supple.export.c.operations import ArrayOperation, Atom, Program, with_known
 from supple.export.c.separate_functions import SeparateFunctions
 from supple.export.c.values import BufferView, Computed, UniformValue, Value
 
-__all__ = ["RULES", "Printed", "constants_in", "print_block", "print_program", "rule"]
+__all__ = ["RULES", "Printed", "Shapes", "Values", "constants_in", "print_block", "print_program", "rule"]
 
-Rule = Callable[[CodeBlock, ArrayOperation, Sequence[Value], Sequence[Any]], Sequence[Value]]
+Values = Sequence[Value]
+Shapes = Sequence[jax.ShapeDtypeStruct]
+Rule = Callable[[CodeBlock, ArrayOperation, Values, Shapes], Values]
 """Function (block, operation, inputs, shapes and types of the outputs) -> outputs."""
 
 RULES: dict[str, Rule] = {}
@@ -37,7 +39,7 @@ def rule(*names: str) -> Callable[[Rule], Rule]:
     return registered
 
 
-def constants_in(values: Sequence[Value]) -> dict[int, np.ndarray]:
+def constants_in(values: Values) -> dict[int, np.ndarray]:
     """The constants among some values, by their position."""
     found = {}
     for place, value in enumerate(values):
@@ -48,7 +50,7 @@ def constants_in(values: Sequence[Value]) -> dict[int, np.ndarray]:
     return found
 
 
-def print_block(block: CodeBlock, program: Program, inputs: Sequence[Value]) -> list[Value]:
+def print_block(block: CodeBlock, program: Program, inputs: Values) -> list[Value]:
     """Append the statements of a program to a block; returns the outputs of the program.
 
     Operations on constants are evaluated now, not in C.
@@ -61,7 +63,7 @@ def print_block(block: CodeBlock, program: Program, inputs: Sequence[Value]) -> 
     values: dict[int, Value] = dict(zip(program.inputs, inputs, strict=True))
     depths: dict[int, int] = {}
 
-    def value(atom: Any) -> Value:
+    def value(atom: Atom) -> Value:
         return values[atom] if isinstance(atom, int) else block.known(atom)
 
     for each in program.operations:
@@ -96,7 +98,7 @@ class Printed:
 def print_program(
     program: Program,
     inputs: Mapping[int, Value],
-    store: Callable[[CodeBlock, Sequence[Value]], None],
+    store: Callable[[CodeBlock, Values], None],
     functions: SeparateFunctions,
 ) -> Printed:
     """The C text of a program.

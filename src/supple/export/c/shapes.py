@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from supple.export.c.blocks import CodeBlock
 from supple.export.c.operations import ArrayOperation
-from supple.export.c.printer import rule
+from supple.export.c.printer import Shapes, Values, rule
 from supple.export.c.values import BufferView, Computed, Index, UniformValue, Value, literal, row_major
 
 
@@ -21,9 +20,7 @@ def _viewed(value: BufferView, shape: Sequence[int], strides: Sequence[int], off
 
 
 @rule("broadcast_in_dim")
-def _broadcast(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _broadcast(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, shape, placed = inputs[0], tuple(outputs[0].shape), one.params["broadcast_dimensions"]
     if isinstance(value, UniformValue):
         return [replace(value, shape=shape)]
@@ -35,7 +32,7 @@ def _broadcast(
             )
 
         return [Computed(shape, value.dtype, by_index, value.flat)]
-    view = value if isinstance(value, BufferView) else block.copied(value)
+    view = block.view(value)
     strides = [0] * len(shape)
     for axis, n, stride in zip(placed, view.shape, view.strides, strict=True):
         strides[axis] = stride if n > 1 else 0
@@ -43,9 +40,7 @@ def _broadcast(
 
 
 @rule("slice")
-def _slice(
-    _block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _slice(_block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, shape = inputs[0], tuple(outputs[0].shape)
     starts = one.params["start_indices"]
     steps = one.params["strides"] or (1,) * len(starts)
@@ -72,21 +67,15 @@ def placed(index: str, start: int, step: int = 1) -> str:
 
 
 @rule("squeeze", "expand_dims", "reshape")
-def _reshape(
-    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
-    return [reshaped(block, inputs[0], tuple(outputs[0].shape))]
-
-
-def reshaped(block: CodeBlock, value: Value, shape: tuple[int, ...]) -> Value:
-    """The value with another shape, elements in row-major order."""
+def _reshape(block: CodeBlock, _one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
+    value, shape = inputs[0], tuple(outputs[0].shape)
     if value.shape == shape:
-        return value
+        return [value]
     if isinstance(value, UniformValue):
-        return replace(value, shape=shape)
+        return [replace(value, shape=shape)]
     long = [axis for axis, n in enumerate(value.shape) if n > 1]
     if [value.shape[axis] for axis in long] == [n for n in shape if n > 1]:
-        return _with_unit_axes(value, long, shape)
+        return [_with_unit_axes(value, long, shape)]
     if isinstance(value, Computed) and value.flat("0") is None:
         value = block.copied(value)
     if isinstance(value, Computed):
@@ -99,9 +88,8 @@ def reshaped(block: CodeBlock, value: Value, shape: tuple[int, ...]) -> Value:
             ]
             return str(of_number.flat(f"({' + '.join(terms) or '0'})"))
 
-        return Computed(shape, value.dtype, by_index, value.by_number)
-    view = block.in_order(value)
-    return _viewed(view, shape, row_major(shape))
+        return [Computed(shape, value.dtype, by_index, value.by_number)]
+    return [_viewed(block.in_order(value), shape, row_major(shape))]
 
 
 def _with_unit_axes(value: Value, long: Sequence[int], shape: tuple[int, ...]) -> Value:
@@ -123,9 +111,7 @@ def _with_unit_axes(value: Value, long: Sequence[int], shape: tuple[int, ...]) -
 
 
 @rule("transpose")
-def _transpose(
-    _block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _transpose(_block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, order, shape = inputs[0], one.params["permutation"], tuple(outputs[0].shape)
     if isinstance(value, UniformValue):
         return [replace(value, shape=shape)]
@@ -142,9 +128,7 @@ def _transpose(
 
 
 @rule("rev")
-def _reverse(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], _outputs: Sequence[Any]
-) -> list[Value]:
+def _reverse(block: CodeBlock, one: ArrayOperation, inputs: Values, _outputs: Shapes) -> Values:
     value = block.stored(inputs[0])
     if isinstance(value, UniformValue):
         return [value]
@@ -155,18 +139,14 @@ def _reverse(
 
 
 @rule("iota")
-def _iota(
-    _block: CodeBlock, one: ArrayOperation, _inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _iota(_block: CodeBlock, one: ArrayOperation, _inputs: Values, outputs: Shapes) -> Values:
     axis, dtype = one.params["dimension"], np.dtype(outputs[0].dtype)
     cast = "(double)" if dtype.kind == "f" else ""
     return [Computed(tuple(outputs[0].shape), dtype, lambda index: f"({cast}{index[axis]})")]
 
 
 @rule("concatenate")
-def _concatenate(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _concatenate(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     axis = one.params["dimension"]
     target = block.array(outputs[0].shape, outputs[0].dtype)
     if target.size == 1:
@@ -179,9 +159,7 @@ def _concatenate(
 
 
 @rule("stack")
-def _stack(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _stack(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     axis = one.params.get("axis", one.params.get("dimension", 0))
     target = block.array(outputs[0].shape, outputs[0].dtype)
     strides = [s for place, s in enumerate(target.strides) if place != axis]
@@ -191,9 +169,7 @@ def _stack(
 
 
 @rule("split")
-def _split(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _split(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, axis, start, parts = block.stored(inputs[0]), one.params["axis"], 0, []
     for each in outputs:
         shape = tuple(each.shape)
@@ -206,9 +182,7 @@ def _split(
 
 
 @rule("unstack")
-def _unstack(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _unstack(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, axis = block.stored(inputs[0]), one.params["axis"]
     shape = tuple(outputs[0].shape)
     if isinstance(value, UniformValue):
@@ -218,9 +192,7 @@ def _unstack(
 
 
 @rule("pad")
-def _pad(
-    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _pad(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, filling = inputs
     target = block.array(outputs[0].shape, outputs[0].dtype)
     number = filling.at(())
@@ -249,9 +221,7 @@ def _pad(
 
 
 @rule("dynamic_slice")
-def _dynamic_slice(
-    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
-) -> list[Value]:
+def _dynamic_slice(block: CodeBlock, _one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, shape = block.stored(inputs[0]), tuple(outputs[0].shape)
     if isinstance(value, UniformValue):
         return [replace(value, shape=shape)]
@@ -260,9 +230,7 @@ def _dynamic_slice(
 
 
 @rule("dynamic_update_slice")
-def _update(
-    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], _outputs: Sequence[Any]
-) -> list[Value]:
+def _update(block: CodeBlock, _one: ArrayOperation, inputs: Values, _outputs: Shapes) -> Values:
     target, part = block.copied(inputs[0]), inputs[1]
     if target.buffer.is_scalar:
         return [part]

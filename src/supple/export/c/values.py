@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 __all__ = ["Buffer", "BufferView", "Computed", "UniformValue", "Value", "c_type", "literal", "row_major"]
 
@@ -21,7 +21,7 @@ class Buffer:
     """Storage of `size` numbers: a local array, a scalar variable, or a table of constants."""
 
     number: int
-    dtype: np.dtype[Any]
+    dtype: np.dtype
     size: int
     is_scalar: bool = False
     name: str | None = None
@@ -37,7 +37,7 @@ class Value:
     """An array of known shape, read element by element."""
 
     shape: tuple[int, ...]
-    dtype: np.dtype[Any]
+    dtype: np.dtype
 
     @property
     def size(self) -> int:
@@ -58,8 +58,8 @@ class UniformValue(Value):
     """An array of equal constants."""
 
     shape: tuple[int, ...]
-    dtype: np.dtype[Any]
-    number: Any
+    dtype: np.dtype
+    number: float
 
     def at(self, index: Index) -> str:  # noqa: ARG002
         """The number."""
@@ -75,7 +75,7 @@ class BufferView(Value):
     """Elements of a buffer at `offset + shift + strides . index`; `shift` is known only at run time."""
 
     shape: tuple[int, ...]
-    dtype: np.dtype[Any]
+    dtype: np.dtype
     buffer: Buffer
     strides: tuple[int, ...]
     offset: int = 0
@@ -120,7 +120,7 @@ class Computed(Value):
     """An array whose elements are computed where they are read."""
 
     shape: tuple[int, ...]
-    dtype: np.dtype[Any]
+    dtype: np.dtype
     by_index: Callable[[Index], str]
     by_number: Callable[[str], str | None] = lambda _: None
 
@@ -152,7 +152,7 @@ _TYPES = {
 }
 
 
-def c_type(dtype: Any) -> str:
+def c_type(dtype: DTypeLike) -> str:
     """The C type of the elements of an array."""
     return _TYPES.get(np.dtype(dtype).name, "double")
 
@@ -163,7 +163,7 @@ def _whole(number: int) -> str:
     return f"({number})" if number < 0 else str(number)
 
 
-def literal(number: Any, dtype: Any) -> str:
+def literal(number: float, dtype: DTypeLike) -> str:
     """A number in C, with enough digits to be read back exactly."""
     kind = np.dtype(dtype).kind
     if kind == "b":
