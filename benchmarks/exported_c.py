@@ -44,7 +44,7 @@ from supple.cases import read_case  # noqa: E402
 from supple.cases.result_machine import result_machine  # noqa: E402
 from supple.cases.static_case import starting_system  # noqa: E402
 from supple.cli.export_machine import machine_outputs  # noqa: E402
-from supple.export.c.write_machine import write_machine  # noqa: E402
+from supple.export.c.machine_source import write_machine  # noqa: E402
 from supple.methods.floating.compiled import programs  # noqa: E402
 from supple.simulation.engines import engine_for  # noqa: E402
 from supple.stepping import StepProgram, step_program  # noqa: E402

@@ -16,7 +16,7 @@ from supple.cases.run_files import check_not_an_input
 from supple.cases.static_case import starting_system
 from supple.cli.export import ExportOptions
 from supple.errors import ArgumentError, CaseError, did_you_mean
-from supple.export.c.write_machine import write_machine
+from supple.export.c.machine_source import write_machine
 from supple.export.fmu.platforms import PLATFORMS, Platform
 from supple.export.fmu.write_fmu import write_fmu, write_linear_fmu
 from supple.export.linear.linear_form import linear_form

@@ -13,8 +13,7 @@ from fixtures.exported_machines import EVERY, STEP, UNDRIVEN, chain, driven_pair
 
 from supple.errors import ModelError, ResultFileError
 from supple.export.c import blocks, separate_functions
-from supple.export.c.machine_source import sensor_sizes
-from supple.export.c.write_machine import write_machine
+from supple.export.c.machine_source import sensor_sizes, write_machine
 from supple.machine import System
 from supple.quantities import read_sensors
 from supple.simulation import simulate

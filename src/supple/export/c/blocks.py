@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import count
 
 import numpy as np
 
@@ -27,7 +26,6 @@ class Constants:
 
     prefix: str = ""
     tables: dict[bytes, tuple[str, np.ndarray]] = field(default_factory=dict)
-    numbers: Iterable[int] = field(default_factory=count)
 
     def view(self, values: np.ndarray) -> Value:
         """An array of constants as a value; a UniformValue if all are equal."""

@@ -1,4 +1,4 @@
-"""The C files of a machine: header, source, a test with recorded values, and a Makefile."""
+"""The C files of a machine: header, source, derivatives, a test with recorded values, and a Makefile."""
 
 from __future__ import annotations
 
@@ -7,17 +7,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.resources import files
+from pathlib import Path
 from string import Template
+from typing import Any
 
 import jax
 import numpy as np
 
+from supple.export.ascii_file import check_not_foreign
 from supple.export.c.function import HEAD, named_view, printed_function
 from supple.export.c.values import BufferView, c_type, literal
 from supple.stepping import StepProgram, StepState
 from supple.stepping.variables import Variable
+from supple.storage.atomic_write import replacing
 
-__all__ = ["machine_files", "machine_sources", "sensor_sizes", "struct_fields"]
+__all__ = ["derivative_source", "machine_sources", "sensor_sizes", "write_machine"]
 
 _RECORDED = 20
 """Number of times at which the test compares outputs."""
@@ -62,16 +66,28 @@ def machine_sources(step: StepProgram, title: str) -> dict[str, str]:
 
     Raises ModelError for an operation of the equations without a translation to C.
     """
-    fields = struct_fields(step.start)
+    fields = _struct_fields(step.start)
     return {"machine.h": _header(step, fields, title), "machine.c": _source(step, fields)}
 
 
-def machine_files(step: StepProgram, title: str) -> dict[str, str]:
-    """The texts of `machine_sources`, of `test.c` with recorded values, and of a `Makefile`."""
-    return machine_sources(step, title) | {"test.c": _test(step), "Makefile": _filled("Makefile")}
+def write_machine(folder: Path, step: StepProgram, title: str) -> tuple[Path, ...]:
+    """Write `machine.c`, `machine.h`, `test.c` and `Makefile`, in place of old files; returns their paths.
+
+    Raises
+    ------
+    ModelError          an operation of the equations without a translation to C
+    ResultFileError     the folder cannot be written, or has another file of one of these names
+    """
+    for name in ("machine.c", "machine.h", "test.c", "Makefile"):
+        check_not_foreign(folder / name, "machine")
+    files = machine_sources(step, title) | {"test.c": _test(step), "Makefile": _filled("Makefile")}
+    for name, text in files.items():
+        with replacing(folder / name) as temporary:
+            temporary.write_text(text, "utf-8")
+    return tuple(folder / name for name in files)
 
 
-def struct_fields(start: StepState) -> list[_Field]:
+def _struct_fields(start: StepState) -> list[_Field]:
     """Members of the C struct, also empty ones, in the order of the leaves of the state."""
     found = []
     for path, leaf in jax.tree_util.tree_flatten_with_path(start)[0]:
@@ -156,6 +172,41 @@ def _begin(step: StepProgram, views: Sequence[BufferView]) -> str:
         printed = printed_function(step.started, given, own, views, "start", [("machine *m", "m")])
         before, body = f"{printed.before}\n\n", printed.body
     return f"{before}int machine_start(machine *m)\n{{\n{body}\n    return m->failed ? 1 : 0;\n}}"
+
+
+def derivative_source(step: StepProgram) -> str:
+    """The text of `derivative.c`: derivatives of the outputs along a direction of the inputs.
+
+    The function computes `d output(end)/d input . direction` of the discrete time step, with inputs constant
+    until `end`, by JAX's forward mode.
+
+    Raises ModelError for an operation of the derivative without a translation to C.
+    """
+
+    def rates(now: StepState, end: Any, direction: Any) -> Any:
+        def outputs(given: Any) -> Any:
+            return step.advanced(now._replace(input=given), end).output
+
+        return jax.jvp(outputs, (now.input,), (direction,))[1]
+
+    views = [each.view for each in _struct_fields(step.start)]
+    end = named_view("end", (), np.float64, is_scalar=True)
+    direction = named_view("direction", step.start.input.shape, np.float64)
+    result = named_view("rates", step.start.output.shape, np.float64)
+    arguments = (step.start, np.float64(0.0), np.zeros_like(step.start.input))
+    parameters = [
+        ("const machine *m", "m"),
+        ("double end", "end"),
+        ("const double *direction", "direction"),
+        ("double *rates", "rates"),
+    ]
+    inputs = [*views, end, direction]
+    printed = printed_function(rates, arguments, inputs, [result], "derivative", parameters)
+    return (
+        f'#include "machine.h"\n\n{HEAD}\n{printed.before}\n\n'
+        f"void machine_derivative({', '.join(own for own, _ in parameters)})\n"
+        f"{{\n{printed.body}\n}}\n"
+    )
 
 
 def _recorded(step: StepProgram) -> tuple[np.ndarray, np.ndarray]:

@@ -15,11 +15,10 @@ from string import Template
 import numpy as np
 
 from supple.errors import ModelError
-from supple.export.c.machine_source import machine_sources
-from supple.export.fmu.derivative_source import derivative_source
-from supple.export.fmu.interface import FmuInterface
+from supple.export.c.machine_source import derivative_source, machine_sources
 from supple.export.fmu.model_description import (
     IDENTIFIER,
+    FmuInterface,
     build_description,
     model_description_2,
     model_description_3,
