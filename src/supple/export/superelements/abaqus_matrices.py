@@ -20,9 +20,7 @@ def write_abaqus_superelement(path: Path | str, form: InterfaceForm) -> Path:
 
     Raises ResultFileError: the file cannot be written.
     """
-    matrices = {"STIFFNESS": form.stiffness, "MASS": form.mass}
-    if form.is_damped:
-        matrices["VISCOUS DAMPING"] = form.damping
+    matrices = form.matrices("STIFFNESS", "MASS", "VISCOUS DAMPING")
     n, labels = len(form.interfaces), form.freedoms(of_modal=1)
     places = np.concatenate([form.positions, np.tile(form.positions[:1], (form.n_modal, 1))])
     lines = [f"** {line}" for line in form.comment()]

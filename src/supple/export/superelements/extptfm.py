@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 
-from supple.errors import ModelError, did_you_mean
+from supple.errors import ModelError
 from supple.export.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
 from supple.export.superelements.stated_frequencies import N_RIGID, N_STATED, frequencies
@@ -67,7 +67,11 @@ def write_extptfm(
     ]
     for name, matrix in matrices.items():
         lines += ["", f"!{name} Matrix", f"!Dimension: {n}", *_rows(matrix)]
-    weight = columns.T @ form.mass @ _translations(form) @ np.asarray(gravity, dtype=float)
+    fall = np.zeros(len(form.mass))
+    fall[: form.n_boundary] = np.tile(
+        [*np.asarray(gravity, dtype=float), 0.0, 0.0, 0.0], len(form.interfaces)
+    )
+    weight = columns.T @ form.mass @ fall
     lines += ["", "!Loading and Wave Elevation", f"!Dimension: 1 time column -  {n} force columns"]
     lines += _rows(np.column_stack([[0.0, _LAST_TIME], np.tile(weight, (2, 1))]), digits=10)
     if len(lines[-1]) > _LONGEST_LINE:
@@ -90,14 +94,8 @@ def extptfm_frequencies(form: InterfaceForm, interface: str, springs: Springs) -
 
 def _supported(form: InterfaceForm, interface: str, springs: Springs) -> tuple[dict[str, Array], Array]:
     """Matrices by name in Craig-Bampton form with `interface`, and their coordinates (6 n + m, k)."""
-    for name in (interface, *springs):
-        if name not in form.interfaces:
-            near = did_you_mean(name, form.interfaces)
-            raise ModelError(
-                f"body '{form.name}' has no interface '{name}'{near}; it has: {', '.join(form.interfaces)}"
-            )
     stiffness, damping = form.stiffness.copy(), form.damping.copy()
-    kept = [_rows_of(form, name) for name in (interface, *springs)]
+    kept = [form.rows(name) for name in (interface, *springs)]
     for own, (k, c) in zip(kept[1:], springs.values(), strict=True):
         stiffness[np.ix_(own, own)] += k
         damping[np.ix_(own, own)] += c
@@ -111,17 +109,6 @@ def _supported(form: InterfaceForm, interface: str, springs: Springs) -> tuple[d
         columns[inner, 6:] = linalg.eigh(own, form.mass[np.ix_(inner, inner)])[1]
     all_of = {"Mass": form.mass, "Stiffness": stiffness, "Damping": damping}
     return {name: columns.T @ matrix @ columns for name, matrix in all_of.items()}, columns
-
-
-def _rows_of(form: InterfaceForm, interface: str) -> NDArray[np.int64]:
-    return 6 * form.interfaces.index(interface) + np.arange(6)
-
-
-def _translations(form: InterfaceForm) -> Array:
-    """Motion (6 n + m, 3) of all degrees of freedom with unit rigid translations."""
-    motion = np.zeros((len(form.mass), 3))
-    motion[: form.n_boundary] = np.tile(np.eye(6)[:, :3], (len(form.interfaces), 1))
-    return motion
 
 
 def _rows(matrix: Array, digits: int = 16) -> list[str]:

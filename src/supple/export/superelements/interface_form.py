@@ -80,10 +80,17 @@ class InterfaceForm:
         modal = n + 1 + np.arange(self.n_modal)
         return np.concatenate([own, np.column_stack([modal, np.full_like(modal, of_modal)])])
 
-    @property
-    def is_damped(self) -> bool:
-        """Whether the damping matrix has an entry that is not zero."""
-        return bool(np.any(self.damping))
+    def matrices(self, stiffness: str, mass: str, damping: str) -> dict[str, Array]:
+        """Stiffness, mass and, unless it is zero, damping, by the names of a format."""
+        found = {stiffness: self.stiffness, mass: self.mass}
+        return found | {damping: self.damping} if self.damping.any() else found
+
+    def rows(self, interface: str) -> NDArray[np.int64]:
+        """Rows (6,) of an interface; ModelError for an unknown one."""
+        if interface not in self.interfaces:
+            near, known = did_you_mean(interface, self.interfaces), ", ".join(self.interfaces)
+            raise ModelError(f"body '{self.name}' has no interface '{interface}'{near}; it has: {known}")
+        return 6 * self.interfaces.index(interface) + np.arange(6)
 
     def frequencies(self, held: Collection[str] = ()) -> Array:
         """Natural frequencies with the interfaces `held` clamped, cycles per unit of time, ascending.
@@ -92,15 +99,7 @@ class InterfaceForm:
 
         Raises ModelError for an unknown interface.
         """
-        unknown = [name for name in held if name not in self.interfaces]
-        if unknown:
-            near = did_you_mean(unknown[0], self.interfaces)
-            raise ModelError(
-                f"body '{self.name}' has no interface '{unknown[0]}'{near}; it has: "
-                f"{', '.join(self.interfaces)}"
-            )
-        of_interfaces = np.repeat([name not in held for name in self.interfaces], 6)
-        free = np.concatenate([of_interfaces, np.ones(self.n_modal, dtype=bool)])
+        free = np.setdiff1d(np.arange(len(self.mass)), [row for name in held for row in self.rows(name)])
         found = frequencies(self.stiffness[np.ix_(free, free)], self.mass[np.ix_(free, free)])
         return found if held else found[N_RIGID:]
 

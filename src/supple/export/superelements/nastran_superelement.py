@@ -29,10 +29,8 @@ def write_dmig_superelement(path: Path | str, form: InterfaceForm) -> Path:
 
     Raises ResultFileError: the file cannot be written.
     """
-    matrices = {"KAAX": form.stiffness, "MAAX": form.mass}
-    if form.is_damped:
-        matrices["BAAX"] = form.damping
-    run = [line.format(damped=" / B2GG = BAAX" if form.is_damped else "") for line in _TO_RUN]
+    matrices = form.matrices("KAAX", "MAAX", "BAAX")
+    run = [line.format(damped=" / B2GG = BAAX" if "BAAX" in matrices else "") for line in _TO_RUN]
     cards = [*_bulk_data(form, run), *dmig_cards(form.freedoms(of_modal=0), matrices)]
     return write_ascii(path, cards)
 
@@ -46,9 +44,7 @@ def write_output4_superelement(path: Path | str, form: InterfaceForm) -> tuple[P
     the .bdf file exists and is another one.
     """
     target = Path(path)
-    matrices = {"KAA": form.stiffness, "MAA": form.mass}
-    if form.is_damped:
-        matrices["BAA"] = form.damping
+    matrices = form.matrices("KAA", "MAA", "BAA")
     of_rows = [f"rows of {', '.join(matrices)} in {target.name}: six of each grid, then the scalar points"]
     beside = target.with_suffix(".bdf")
     check_not_foreign(beside, "linear superelement")
