@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,8 @@ from supple.export.vtk.pieces import Piece
 from supple.fem import FiniteElementModel
 from supple.integrate import FramedMotion, Solution
 from supple.machine import At, System
-from supple.methods.explicit.motions import NodalMotion
+from supple.mesh import Mesh
+from supple.methods.explicit import ExplicitShell, ExplicitSubdomain, NodalMotion
 from supple.quantities import displacement_from_axes, observer_of
 from supple.quantities.stress_history import equivalent_stress
 from supple.results.explicit_fields import element_means
@@ -36,19 +36,41 @@ class Field:
     """Values at the points or in the cells of some pieces.
 
     name : name with unit
-    of_cells : whether the values are in the cells, not at the points
+    evaluators : by piece; other pieces do not have this field
     width : number of components
+    of_cells : whether the values are in the cells, not at the points
     kind : number type in the file
     absent : value on pieces without this field
-    evaluators : by piece; other pieces do not have this field
     """
 
     name: str
-    of_cells: bool
-    width: int
-    kind: np.dtype
-    absent: float
     evaluators: Mapping[Piece, Evaluator]
+    width: int = 1
+    of_cells: bool = False
+    kind: str = "<f4"
+    absent: float = np.nan
+
+    @property
+    def section(self) -> str:
+        """Name of the section of a file that contains the field."""
+        return "CellData" if self.of_cells else "PointData"
+
+    def n_rows(self, piece: Piece) -> int:
+        """Number of points or cells of a piece."""
+        return len(piece.cells.types if self.of_cells else piece.points)
+
+    def values(self, part: Solution, positions: Mapping[Piece, Array]) -> NDArray:
+        """Values (t, n) or (t, n, width) on all pieces, one after another, in the number type of the file.
+
+        positions : (t, N, 3) of each piece
+        """
+        found = []
+        for piece, own in positions.items():
+            shape = (len(part.times), self.n_rows(piece), self.width)[: 2 + (self.width > 1)]
+            evaluate = self.evaluators.get(piece)
+            values = np.full(shape, self.absent) if evaluate is None else np.asarray(evaluate(part, own))
+            found.append(values.astype(self.kind))
+        return np.concatenate(found, axis=1)
 
 
 def fields_of(
@@ -64,63 +86,32 @@ def fields_of(
     """
     for name in elements:
         system.placed(name, "elements")  # a misspelt name is an error
-    bodies = [piece for piece in pieces if piece.body is not None]
-    framed = [piece for piece in bodies if _form(piece).has_frame]
-    # A part without a mesh is written as points, which have no values of elements.
-    deleting = [piece for piece in bodies if not _form(piece).has_frame and piece.mesh is not None]
+    bodies = {piece: piece.body for piece in pieces if piece.body is not None}
     unit, factor = units.stress_shown
-    fields = [
-        _field(labelled("displacement", units.length), 3, {piece: _displacement(piece) for piece in pieces}),
-        _field(
-            labelled("deflection", units.length),
-            3,
-            {piece: _deflection(system, piece, bases) for piece in framed},
-        ),
-        _field(
-            labelled("von Mises stress", unit),
-            1,
-            {
-                piece: _stress(piece, elements[piece.name], factor)
-                for piece in bodies
-                if piece.name in elements
-            },
-        ),
-        Field(
-            "plastic strain",
-            of_cells=True,
-            width=1,
-            kind=np.dtype("<f4"),
-            absent=np.nan,
-            evaluators={piece: _of_elements(piece, "plastic_strain") for piece in deleting},
-        ),
-        Field(
-            GHOSTS,
-            of_cells=True,
-            width=1,
-            kind=np.dtype("u1"),
-            absent=0,
-            evaluators={piece: _hidden(piece) for piece in deleting},
-        ),
-    ]
+    deflections = {each: _deflection(system, body, bases) for each, body in bodies.items() if body.has_frame}
+    stresses = {
+        each: _stress(body, elements[each.name], factor)
+        for each, body in bodies.items()
+        if each.name in elements
+    }
+    strains = _of_cells(pieces, lambda motion: motion.plastic_strain)
+    hidden = _of_cells(pieces, lambda motion: HIDDEN * (motion.alive == 0))
+    fields = (
+        Field(labelled("displacement", units.length), {each: _displacement(each) for each in pieces}, 3),
+        Field(labelled("deflection", units.length), deflections, 3),
+        Field(labelled("von Mises stress", unit), stresses),
+        Field("plastic strain", strains, of_cells=True),
+        Field(GHOSTS, hidden, of_cells=True, kind="u1", absent=0),
+    )
     return tuple(field for field in fields if field.evaluators)
-
-
-def _field(name: str, width: int, evaluators: Mapping[Piece, Evaluator]) -> Field:
-    """A field at the points, in single precision."""
-    return Field(name, False, width, np.dtype("<f4"), np.nan, evaluators)
-
-
-def _form(piece: Piece) -> Any:
-    return piece.body
 
 
 def _displacement(piece: Piece) -> Evaluator:
     return lambda _part, positions: positions - piece.points
 
 
-def _deflection(system: System, piece: Piece, bases: Mapping[str, At]) -> Evaluator:
+def _deflection(system: System, body: BodyForm, bases: Mapping[str, At]) -> Evaluator:
     """Displacement relative to the rigid motion of an interface, in global components."""
-    body: BodyForm = _form(piece)
 
     def deflected(part: Solution, positions: Array) -> Array:
         seen = observer_of(system, part, body.name, bases)
@@ -131,35 +122,37 @@ def _deflection(system: System, piece: Piece, bases: Mapping[str, At]) -> Evalua
     return deflected
 
 
-def _stress(piece: Piece, model: FiniteElementModel, factor: float) -> Evaluator:
-    body = _form(piece)
-    if not body.has_frame:
-        return lambda part, _: factor * _node_means(body, part)
+def _stress(body: BodyForm, model: FiniteElementModel, factor: float) -> Evaluator:
+    if isinstance(body, ExplicitSubdomain | ExplicitShell):
+
+        def at_nodes(part: Solution, _: Array) -> Array:
+            motion = part.motion(body.name, NodalMotion)
+            return factor * element_means(body, motion.von_mises, motion.alive)
+
+        return at_nodes
     stress = equivalent_stress(body, model)
     return lambda part, _: factor * stress(part.motion(body.name, FramedMotion).coordinates)
 
 
-def _node_means(body: Any, part: Solution) -> Array:
-    motion = part.motion(body.name, NodalMotion)
-    return element_means(body, motion.von_mises, motion.alive)
+def _of_cells(pieces: Sequence[Piece], values: Callable[[NodalMotion], Array]) -> dict[Piece, Evaluator]:
+    """Values of the elements of explicit parts, in the order of the cells of their pieces.
+
+    A part without a mesh is written as points, which have no values of elements.
+    """
+    found: dict[Piece, Evaluator] = {}
+    for piece in pieces:
+        if isinstance(piece.body, ExplicitSubdomain | ExplicitShell) and piece.mesh is not None:
+            order = _cell_order(piece, piece.body.model, piece.mesh)
+            found[piece] = lambda part, _, piece=piece, order=order: values(
+                part.motion(piece.name, NodalMotion)
+            )[:, order]
+    return found
 
 
-def _of_elements(piece: Piece, name: str) -> Evaluator:
-    order = _cell_order(piece)
-    return lambda part, _: getattr(part.bodies[piece.name], name)[:, order]
-
-
-def _hidden(piece: Piece) -> Evaluator:
-    alive = _of_elements(piece, "alive")
-    return lambda part, positions: HIDDEN * (alive(part, positions) == 0)
-
-
-def _cell_order(piece: Piece) -> NDArray[np.int64]:
+def _cell_order(piece: Piece, model: FiniteElementModel, mesh: Mesh) -> NDArray[np.int64]:
     """Numbers (E,) of the elements of an explicit part in the order of the cells of its piece."""
-    body, mesh = _form(piece), piece.mesh
-    assert mesh is not None
     starts = dict(zip(mesh.cells, np.cumsum([0, *map(len, mesh.cells.values())]), strict=False))
-    cells = np.concatenate([starts.get(own.cell_type, 0) + own.cells for own in body.model.sections])
+    cells = np.concatenate([starts.get(own.cell_type, 0) + own.cells for own in model.sections])
     if len(cells) != len(piece.cells.types):
         raise ModelError(
             f"the mesh given for part '{piece.name}' has {len(piece.cells.types)} cells and the part "

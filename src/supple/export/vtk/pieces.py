@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,8 +76,9 @@ def pieces_of(
         else _elastic_piece(system.placed(name), meshes.get(name))
         for name in wanted
     ]
-    joints = _joints_piece(system) if bodies is None else None
-    return tuple(found) if joints is None else (*found, joints)
+    if bodies is None and system.joints:
+        found.append(_joints_piece(system))
+    return tuple(found)
 
 
 def _at_rest(placed: Placed, local: Array) -> Array:
@@ -87,7 +87,7 @@ def _at_rest(placed: Placed, local: Array) -> Array:
 
 
 def _elastic_piece(placed: Placed, mesh: Mesh | None) -> Piece:
-    body: Any = placed.body
+    body = placed.body
     if mesh is not None and mesh.n_nodes > len(body.nodes):
         raise ModelError(
             f"the mesh given for body '{body.name}' has {mesh.n_nodes} nodes and the body {len(body.nodes)}: "
@@ -143,18 +143,12 @@ def _ellipsoid(body: RigidBody) -> tuple[Array, NDArray[np.int64]]:
     )
 
 
-def _joints_piece(system: System) -> Piece | None:
+def _joints_piece(system: System) -> Piece:
     ends = [joint.first if joint.second == GROUND else joint.second for joint in system.joints]
-    if not ends:
-        return None
 
     def positions(part: Solution) -> Array:
-        def places() -> Iterator[Array]:
-            for end in ends:
-                body: Any = system.placed(end.body).body
-                yield body.interface_motion(part.bodies[end.body], end.interface).position
-
-        return np.stack(list(places()), axis=1)
+        bodies = [(system.placed(end.body).body, part.bodies[end.body], end.interface) for end in ends]
+        return np.stack([body.interface_motion(own, name).position for body, own, name in bodies], axis=1)
 
     return Piece(
         JOINTS,

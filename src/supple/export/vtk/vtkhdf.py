@@ -93,15 +93,24 @@ def write_vtkhdf(
             group = file.create_group("VTKHDF")
             _write_grid(group, pieces)
             _write_steps(group, np.asarray(run.times), pieces, fields)
-            n_bytes = sum(_dataset(group, len(run.times), pieces, field).nbytes for field in fields)
+            n_bytes = 0
+            for field in fields:
+                n_rows = len(run.times) * sum(map(field.n_rows, pieces))
+                shape = (n_rows,) if field.width == 1 else (n_rows, field.width)
+                # Not yet allocated.
+                n_bytes += group.create_dataset(f"{field.section}/{field.name}", shape, field.kind).nbytes
             file.flush()
             temporary.write_bytes(file.id.get_file_image())
         reserve_space(temporary, temporary.stat().st_size + n_bytes + _HEADERS)
         with h5py.File(temporary, "r+") as file:
-            datasets = [_dataset_of(file["VTKHDF"], field) for field in fields]
             begun = 0
             for part in _short_parts(run, pieces):
-                _write_part(datasets, begun, part, pieces, fields)
+                positions = {piece: piece.positions(part) for piece in pieces}
+                for field in fields:
+                    values = field.values(part, positions)
+                    rows = values.reshape(-1, *values.shape[2:])
+                    start = begun * values.shape[1]
+                    file[f"VTKHDF/{field.section}/{field.name}"][start : start + len(rows)] = rows
                 begun += len(part.times)
     return path
 
@@ -138,26 +147,8 @@ def _write_steps(group: h5py.Group, times: Array, pieces: Sequence[Piece], field
     steps["FieldDataOffsets/bodies"] = still
     steps["FieldDataSizes/bodies"] = np.tile([1, len(pieces)], (n_times, 1))
     for field in fields:
-        n_rows = sum(_n_rows(piece, field) for piece in pieces)
-        steps[f"{_data(field)}Offsets/{field.name}"] = n_rows * np.arange(n_times)
-
-
-def _dataset(group: h5py.Group, n_times: int, pieces: Sequence[Piece], field: Field) -> h5py.Dataset:
-    n_rows = n_times * sum(_n_rows(piece, field) for piece in pieces)
-    shape = (n_rows,) if field.width == 1 else (n_rows, field.width)
-    return group.create_dataset(f"{_data(field)}/{field.name}", shape, field.kind)  # not yet allocated
-
-
-def _dataset_of(group: h5py.Group, field: Field) -> h5py.Dataset:
-    return group[f"{_data(field)}/{field.name}"]
-
-
-def _data(field: Field) -> str:
-    return "CellData" if field.of_cells else "PointData"
-
-
-def _n_rows(piece: Piece, field: Field) -> int:
-    return len(piece.cells.types if field.of_cells else piece.points)
+        n_rows = sum(map(field.n_rows, pieces))
+        steps[f"{field.section}Offsets/{field.name}"] = n_rows * np.arange(n_times)
 
 
 def _short_parts(run: Solution | ResultParts, pieces: Sequence[Piece]) -> Iterator[Solution]:
@@ -166,30 +157,3 @@ def _short_parts(run: Solution | ResultParts, pieces: Sequence[Piece]) -> Iterat
     for part in (run,) if isinstance(run, Solution) else run:
         for start in range(0, len(part.times), n_times):
             yield part.at(slice(start, start + n_times))
-
-
-def _write_part(
-    datasets: Sequence[h5py.Dataset],
-    begun: int,
-    part: Solution,
-    pieces: Sequence[Piece],
-    fields: Sequence[Field],
-) -> None:
-    """Write the values of some output times after the values of the first `begun` output times."""
-    positions = [piece.positions(part) for piece in pieces]
-    for dataset, field in zip(datasets, fields, strict=True):
-        values = np.concatenate(
-            [values_of(field, piece, part, own) for piece, own in zip(pieces, positions, strict=True)], axis=1
-        )
-        start = begun * values.shape[1]
-        rows = values.reshape(-1, *values.shape[2:])
-        dataset[start : start + len(rows)] = rows
-
-
-def values_of(field: Field, piece: Piece, part: Solution, positions: Array) -> NDArray:
-    """Values (t, n) or (t, n, width) of a field on a piece, in the number type of the file."""
-    evaluate = field.evaluators.get(piece)
-    if evaluate is not None:
-        return np.asarray(evaluate(part, positions)).astype(field.kind)
-    shape = (len(part.times), _n_rows(piece, field), field.width)[: 2 + (field.width > 1)]
-    return np.full(shape, field.absent, field.kind)

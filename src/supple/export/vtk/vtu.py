@@ -18,7 +18,6 @@ from supple.errors import ModelError
 from supple.export.vtk.cells import joined
 from supple.export.vtk.fields import GHOSTS, fields_of
 from supple.export.vtk.pieces import pieces_of
-from supple.export.vtk.vtkhdf import values_of
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
@@ -62,13 +61,9 @@ def write_vtu(
         )
     check_motions(system, instant)
     pieces = pieces_of(system, meshes, bodies)
-    positions = [piece.positions(instant) for piece in pieces]
-    arrays = {
-        field: np.concatenate(
-            [values_of(field, piece, instant, own)[0] for piece, own in zip(pieces, positions, strict=True)]
-        )
-        for field in fields_of(system, pieces, elements, bases, units)
-    }
+    positions = {piece: piece.positions(instant) for piece in pieces}
+    fields = fields_of(system, pieces, elements, bases, units)
+    arrays = {field: field.values(instant, positions)[0] for field in fields}
     cells = joined([piece.cells for piece in pieces], [len(piece.points) for piece in pieces])
     shown = np.ones(len(cells.types), dtype=bool)
     for field, values in arrays.items():
