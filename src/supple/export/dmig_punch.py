@@ -11,10 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
 from supple.errors import ModelError
@@ -23,10 +22,12 @@ from supple.importers.plain_number import in_sixteen_columns
 
 __all__ = ["dmig_cards", "write_dmig_punch"]
 
+Matrix = NDArray[np.float64] | sparse.sparray
+
 _SYMMETRIC, _REAL_DOUBLE = 6, 2
 
 
-def write_dmig_punch(path: Path | str, node_ids: ArrayLike, dofs_per_node: int, **matrices: Any) -> Path:
+def write_dmig_punch(path: Path | str, node_ids: ArrayLike, dofs_per_node: int, **matrices: Matrix) -> Path:
     """Write matrices under the names of their arguments (KAAX=stiffness, MAAX=mass); returns the path.
 
     node_ids : (N,) ids of the grids;   dofs_per_node : 3 or 6, components 1 to 3 or 6
@@ -40,7 +41,7 @@ def write_dmig_punch(path: Path | str, node_ids: ArrayLike, dofs_per_node: int, 
     return write_ascii(path, lines)
 
 
-def dmig_cards(freedoms: ArrayLike, matrices: Mapping[str, Any]) -> list[str]:
+def dmig_cards(freedoms: ArrayLike, matrices: Mapping[str, Matrix]) -> list[str]:
     """The DMIG cards of named matrices.
 
     freedoms : (n, 2) grid and component of each row; component 0 for a scalar point

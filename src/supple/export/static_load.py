@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -13,15 +12,16 @@ from scipy.spatial.transform import Rotation
 from supple.body import FlexibleBody
 from supple.equations.nodal_load import nodal_forces, prepared
 from supple.errors import ModelError
-from supple.machine import BaseAcceleration, ForceElement, NodalLoad
+from supple.machine import BaseAcceleration, NodalLoad
 from supple.machine.laws.time_law import check_law_covers
+from supple.machine.system import Load
 
 __all__ = ["static_load"]
 
 
 def static_load(
     body: FlexibleBody,
-    loads: Iterable[NodalLoad | ForceElement | Any] = (),
+    loads: Iterable[Load] = (),
     *,
     time: float = 0.0,
     rotation: ArrayLike = (0.0, 0.0, 0.0),

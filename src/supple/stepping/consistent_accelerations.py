@@ -1,25 +1,34 @@
-"""Initial accelerations of an exported machine after a change of its parameters, traceable by JAX."""
+"""Accelerations of an exported machine after a change of its parameters or inputs, traceable by JAX.
+
+The time integration takes the accelerations at both ends of a step. Without their jump, an input that changes
+at the start of a step would act as one that changes linearly within the step: half a step too late.
+"""
 
 from __future__ import annotations
-
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 
 from supple.equations.compiled_machine import forces_without_acceleration
-from supple.equations.configuration import Configuration, ControlState, ControlStep
+from supple.equations.configuration import AnyArray, Configuration, ControlState, ControlStep
 from supple.equations.converged_reactions import CONVERGED, MOST
 from supple.equations.inertia import mass_matrix
 from supple.equations.machine_model import Model
 from supple.equations.starting_machine import joint_terms
+from supple.methods.floating.compiled.state import State
+from supple.stepping.external_inputs import ExternalInputs
+from supple.stepping.marching import Tree
 
-__all__ = ["acceleration_jump", "consistent_accelerations"]
+__all__ = ["after_jump", "consistent_accelerations"]
 
 
 def consistent_accelerations(
-    model: Model, time: Any, configuration: Configuration, velocity: Any, control: ControlState | None
-) -> tuple[Any, Any, Any]:
+    model: Model,
+    time: AnyArray,
+    configuration: Configuration,
+    velocity: AnyArray,
+    control: ControlState | None,
+) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Accelerations (n,), multipliers (m,), and whether the iteration of friction and joint forces fails.
 
     Accelerations and multipliers solve `M vdot + G^T lambda = - forces`, `G vdot = - d2g/dt2`, with d2g/dt2
@@ -30,7 +39,7 @@ def consistent_accelerations(
     n, m = len(mass), len(model.active)
     step = None if control is None else ControlStep(control, jnp.zeros(()))
 
-    def solved(multipliers: Any) -> Any:
+    def solved(multipliers: AnyArray) -> AnyArray:
         forces = forces_without_acceleration(model, time, configuration, velocity, step, multipliers)
         return _solved(mass, terms.jacobian, forces, terms.acceleration_bias)
 
@@ -38,7 +47,7 @@ def consistent_accelerations(
     if not model.reads_reactions:
         return found[:n], found[n:], jnp.asarray(False)
 
-    def differs(state: Any) -> Any:
+    def differs(state: Tree) -> AnyArray:
         _, before, own = state
         return jnp.max(abs(own[n:] - before)) > CONVERGED * jnp.max(abs(own[n:]))
 
@@ -50,9 +59,40 @@ def consistent_accelerations(
     return found[:n], found[n:], ~(jnp.max(abs(found[n:] - before)) <= CONVERGED * jnp.max(abs(found[n:])))
 
 
-def acceleration_jump(
-    before: Model, now: Model, time: Any, configuration: Configuration, velocity: Any, control: Any
-) -> tuple[Any, Any]:
+def after_jump(inputs: ExternalInputs, arrays: Model, state: State, held: AnyArray, given: AnyArray) -> State:
+    """The state with the accelerations and joint forces of new inputs; unchanged for equal inputs.
+
+    held, given : (i,) inputs before and after
+    """
+
+    @jax.custom_jvp
+    def jump(differs: AnyArray, before: Model, now: Model, at: Tree) -> tuple[AnyArray, AnyArray]:
+        none = jnp.zeros_like(state.acceleration), jnp.zeros_like(state.multipliers)
+        return jax.lax.cond(differs, lambda: _acceleration_jump(before, now, *at), lambda: none)
+
+    @jump.defjvp
+    def _(primals: Tree, tangents: Tree) -> Tree:  # also of equal inputs, at which a jump has a derivative
+        changed = jax.jvp(lambda *given: _acceleration_jump(*given[:2], *given[2]), primals[1:], tangents[1:])
+        return jump(*primals), changed[1]
+
+    at = (state.time, state.configuration, state.velocity, state.control)
+    models = inputs.given(arrays, held), inputs.given(arrays, given)
+    by_acceleration, by_force = jump(jnp.any(given != held), *models, at)
+    return state._replace(
+        acceleration=state.acceleration + by_acceleration,
+        auxiliary=state.auxiliary + by_acceleration,
+        multipliers=state.multipliers + by_force,
+    )
+
+
+def _acceleration_jump(
+    before: Model,
+    now: Model,
+    time: AnyArray,
+    configuration: Configuration,
+    velocity: AnyArray,
+    control: ControlState | None,
+) -> tuple[AnyArray, AnyArray]:
     """Changes of accelerations (n,) and multipliers (m,) between two models that differ in loads alone."""
     at = time, configuration, velocity
     if now.reads_reactions:
@@ -66,7 +106,7 @@ def acceleration_jump(
     return found[: len(mass)], found[len(mass) :]
 
 
-def _solved(mass: Any, jacobian: Any, forces: Any, bias: Any) -> Any:
+def _solved(mass: AnyArray, jacobian: AnyArray, forces: AnyArray, bias: AnyArray) -> AnyArray:
     """Accelerations and multipliers (n + m,) for the forces (n,) and the bias (m,) of the joints."""
     n, m = len(mass), len(bias)
     scale = jnp.trace(mass) / n

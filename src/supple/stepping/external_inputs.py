@@ -4,20 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TypeVar
 
 import jax
 import numpy as np
 
+from supple.equations.configuration import AnyArray
 from supple.errors import ModelError, SuppleError
 from supple.machine import Joint, System
 from supple.machine.laws.constant import Constant
 from supple.machine.laws.law_numbers import UnboundedLaw
 from supple.machine.laws.time_law import as_time_law
+from supple.machine.system import Load
 from supple.quantities import ElementEnergySensor, Quantity, SpringForceSensor
+from supple.stepping.marching import Tree
 from supple.stepping.variables import Variable
 
-__all__ = ["ExternalInputs", "external_inputs"]
+__all__ = ["Driven", "ExternalInputs", "external_inputs"]
+
+Driven = Joint | Load
+"""An element of a machine that may have a law of time."""
+_Laws = TypeVar("_Laws")
+"""A pytree that contains laws of time."""
 
 
 @jax.tree_util.register_dataclass
@@ -25,10 +33,10 @@ __all__ = ["ExternalInputs", "external_inputs"]
 class _External(UnboundedLaw):
     """Placeholder of a law: index of each component in the input vector, and initial value."""
 
-    places: Any
-    start: Any
+    places: np.ndarray
+    start: np.ndarray
 
-    def __call__(self, time: Any) -> Any:  # noqa: ARG002 - the interface of laws
+    def __call__(self, time: AnyArray) -> np.ndarray:  # noqa: ARG002 - the interface of laws
         return self.start
 
     def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002
@@ -49,7 +57,7 @@ class ExternalInputs:
 
     system: System
     variables: tuple[Variable, ...]
-    changed: tuple[tuple[Any, Any], ...]
+    changed: tuple[tuple[Driven, Driven], ...]
 
     @property
     def jump(self) -> bool:
@@ -71,15 +79,15 @@ class ExternalInputs:
             result.append(sensor)
         return result
 
-    def given(self, model: Any, inputs: Any) -> Any:
+    def given(self, model: _Laws, inputs: AnyArray) -> _Laws:
         """The model of the machine, or functions that read its outputs, with constant inputs (k,)."""
 
-        def constant(law: Any) -> Any:
+        def constant(law: Tree) -> Tree:
             return Constant(inputs[np.asarray(law.places)]) if _is_external(law) else law
 
         return jax.tree.map(constant, model, is_leaf=_is_external)
 
-    def check_read(self, arrays: Any) -> None:
+    def check_read(self, arrays: Tree) -> None:
         """ModelError for an input whose placeholder is not in the arrays of the equations."""
         laws = [leaf for leaf in jax.tree.leaves(arrays, is_leaf=_is_external) if _is_external(leaf)]
         read = {int(place) for law in laws for place in np.ravel(law.places)}
@@ -90,17 +98,17 @@ class ExternalInputs:
                     "body are built; drive another element, or reduce the body"
                 )
 
-    def unset(self, model: Any) -> Any:
+    def unset(self, model: _Laws) -> _Laws:
         """The model, or functions that read its outputs, with zeros as initial values of the inputs."""
 
-        def without(law: Any) -> Any:
+        def without(law: Tree) -> Tree:
             return replace(law, start=np.zeros_like(law.start)) if _is_external(law) else law
 
         return jax.tree.map(without, model, is_leaf=_is_external)
 
 
 def external_inputs(
-    system: System, elements: Mapping[str, Any], units: Mapping[str, str], time: float
+    system: System, elements: Mapping[str, Driven], units: Mapping[str, str], time: float
 ) -> ExternalInputs:
     """The machine with inputs in place of the laws of some joints and loads.
 
@@ -128,7 +136,7 @@ def external_inputs(
     return ExternalInputs(changed_system, tuple(variables), tuple(pairs))
 
 
-def _with_input(name: str, element: Any, first: int, time: float) -> tuple[_External, Any]:
+def _with_input(name: str, element: Driven, first: int, time: float) -> tuple[_External, Driven]:
     """Placeholder for the law of an element, with input indices from `first`, and the element with it."""
     if getattr(element, "law", None) is None:
         raise ModelError(f"nothing in '{name}' varies with time, so it has no input: give it a law")
@@ -148,5 +156,5 @@ def _with_input(name: str, element: Any, first: int, time: float) -> tuple[_Exte
     )
 
 
-def _is_external(leaf: Any) -> bool:
+def _is_external(leaf: Tree) -> bool:
     return isinstance(leaf, _External)

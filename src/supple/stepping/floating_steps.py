@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import numpy as np
 
-from supple.equations.configuration import SystemMotion
+from supple.equations.configuration import AnyArray, SystemMotion
 from supple.equations.machine_model import Model
 from supple.integrate import Run
 from supple.machine import System
@@ -27,7 +26,7 @@ class FloatingSteps:
     size: float
     n_velocities: int
 
-    def reached(self, arrays: Model, state: State, end: Any) -> State:
+    def reached(self, arrays: Model, state: State, end: AnyArray) -> State:
         """The state at the time `end`; its forward-mode derivatives are those of the time-discrete motion."""
         return marched_to(self.controls, arrays, state, end)
 

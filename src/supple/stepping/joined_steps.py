@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.configuration import SystemMotion
+from supple.equations.configuration import AnyArray, SystemMotion
 from supple.equations.machine_model import Model
 from supple.integrate import Run
 from supple.machine import At, System
@@ -19,6 +19,7 @@ from supple.methods.intrinsic.joined_equations import all_velocities, station_tw
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine
 from supple.methods.intrinsic.joined_start import instant_rates
 from supple.methods.intrinsic.joined_step import JoinedState, joined_step
+from supple.stepping.marching import Tree
 
 __all__ = ["JoinedSteps", "joined_steps"]
 
@@ -26,9 +27,9 @@ __all__ = ["JoinedSteps", "joined_steps"]
 class SteppedState(NamedTuple):
     """A `MarchingState` that contains the state of the time integration."""
 
-    time: Any
-    failed: Any
-    march: Any
+    time: AnyArray
+    failed: AnyArray
+    march: JoinedState
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,16 +40,16 @@ class JoinedSteps:
     size: float
     n_velocities: int
 
-    def reached(self, arrays: JoinedArrays, state: SteppedState, end: Any) -> SteppedState:
+    def reached(self, arrays: JoinedArrays, state: SteppedState, end: AnyArray) -> SteppedState:
         """The state at the time `end`, or before the first step that does not converge."""
         coefficients, tolerance, most, limit = self.stepping
         number = jnp.ceil((end - state.time) / self.size * (1 - 1e-9))
         h = (end - state.time) / jnp.maximum(number, 1.0)
 
-        def goes_on(carry: tuple[Any, SteppedState]) -> Any:
+        def goes_on(carry: tuple[AnyArray, SteppedState]) -> AnyArray:
             return (carry[0] < number) & ~carry[1].failed
 
-        def one(carry: tuple[Any, SteppedState]) -> tuple[Any, SteppedState]:
+        def one(carry: tuple[AnyArray, SteppedState]) -> tuple[AnyArray, SteppedState]:
             count, before = carry
             march = joined_step(arrays, coefficients, tolerance, most, before.march, h)
             time = jnp.where(count + 1 < number, before.time + h, end)
@@ -63,11 +64,11 @@ class JoinedSteps:
 
     def motion(self, arrays: JoinedArrays, state: SteppedState) -> SystemMotion:
         """The motion of a state, with accelerations and joint forces from the equations of motion."""
-        march: JoinedState = state.march
+        march = state.march
         now, lines = march.now, march.now.lines
         rates, multipliers = instant_rates(arrays, now, march.control)
 
-        def twists(states: Any) -> jax.Array:
+        def twists(states: Tree) -> jax.Array:
             return station_twists(arrays, states, tuple(own.q1 for own in states))
 
         accelerations = jax.jvp(twists, (lines,), (rates.lines,))[1]

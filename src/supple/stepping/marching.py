@@ -4,22 +4,25 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-from supple.equations.configuration import SystemMotion
+from supple.equations.configuration import AnyArray, SystemMotion
 from supple.equations.machine_model import Model
 
-__all__ = ["Marching", "MarchingState"]
+__all__ = ["Marching", "MarchingState", "Tree"]
+
+Tree = Any
+"""A pytree of JAX whose leaves are arrays, of a structure that a method determines."""
 
 
 class MarchingState(Protocol):
     """The state of a method between two steps, a pytree."""
 
     @property
-    def time(self) -> Any:
+    def time(self) -> AnyArray:
         """Time, shape ()."""
         ...
 
     @property
-    def failed(self) -> Any:
+    def failed(self) -> AnyArray:
         """Whether the smallest step did not converge, shape (); the state is then that before the step."""
         ...
 
@@ -37,14 +40,14 @@ class Marching(Protocol):
         """Number of velocities of the machine in the time integration."""
         ...
 
-    def reached(self, arrays: Any, state: Any, end: Any, /) -> Any:
+    def reached(self, arrays: Tree, state: Tree, end: AnyArray, /) -> Tree:
         """The state at the time `end`, by equal steps of `size` at most."""
         ...
 
-    def motion(self, arrays: Any, state: Any, /) -> SystemMotion:
+    def motion(self, arrays: Tree, state: Tree, /) -> SystemMotion:
         """The motion of a state, for the sensors."""
         ...
 
-    def model(self, arrays: Any, /) -> Model:
+    def model(self, arrays: Tree, /) -> Model:
         """The model of bodies, joints and forces, for the sensors."""
         ...

@@ -9,16 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.equations.configuration import AnyArray
 from supple.errors import ModelError
 from supple.machine import System
 from supple.quantities import Quantity
+from supple.stepping.external_inputs import Driven
+from supple.stepping.marching import Tree
 from supple.stepping.variables import Variable
 
 __all__ = ["AffineArrays", "MachineParameters", "affine_arrays"]
@@ -32,7 +34,8 @@ _AFFINE = 1e-10
 """Allowed deviation from the affine function in the check, as a fraction of the largest entry of the array
 or, if larger, of its change."""
 
-Exported = tuple[System, Sequence[Quantity], Mapping[str, Any]]
+Array = NDArray[np.float64]
+Exported = tuple[System, Sequence[Quantity], Mapping[str, Driven]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +47,10 @@ class MachineParameters:
     """
 
     variables: tuple[Variable, ...]
-    machine: Callable[[NDArray[np.float64]], Exported]
+    machine: Callable[[Array], Exported]
 
     @property
-    def start(self) -> NDArray[np.float64]:
+    def start(self) -> Array:
         """Initial values (k,) of the parameters."""
         return np.array([variable.start for variable in self.variables])
 
@@ -60,21 +63,21 @@ class AffineArrays:
     slopes : by index of a leaf, its nonzero slopes as pairs (index of the parameter, slope)
     """
 
-    base: Any
-    start: NDArray[np.float64]
+    base: Tree
+    start: Array
     slopes: Mapping[int, tuple[tuple[int, np.ndarray], ...]]
 
-    def at(self, values: Any) -> Any:
+    def at(self, values: AnyArray) -> Tree:
         """The pytree at values (k,) of the parameters."""
         leaves, structure = jax.tree.flatten(self.base)
         for place, slopes in self.slopes.items():
-            total: Any = leaves[place]
+            total: AnyArray = leaves[place]
             for k, slope in slopes:
                 total = total + (values[k] - self.start[k]) * jnp.asarray(slope)
             leaves[place] = total
         return jax.tree.unflatten(structure, leaves)
 
-    def depend(self, part: Callable[[Any], Any]) -> set[int]:
+    def depend(self, part: Callable[[Tree], Tree]) -> set[int]:
         """Indices of the parameters on which a part of the pytree depends."""
         numbered = jax.tree.unflatten(
             jax.tree.structure(self.base), list(range(len(jax.tree.leaves(self.base))))
@@ -82,7 +85,7 @@ class AffineArrays:
         return {k for place in jax.tree.leaves(part(numbered)) for k, _ in self.slopes.get(place, ())}
 
 
-def affine_arrays(made: Callable[[NDArray[np.float64]], Any], parameters: MachineParameters) -> AffineArrays:
+def affine_arrays(made: Callable[[Array], Tree], parameters: MachineParameters) -> AffineArrays:
     """The arrays `made(values)` as affine functions of the parameters.
 
     Raises ModelError for a parameter that changes no array, or the structure of the arrays, and for arrays
@@ -112,7 +115,7 @@ def affine_arrays(made: Callable[[NDArray[np.float64]], Any], parameters: Machin
     return found
 
 
-def _alike(base: Any, other: Any, name: str) -> list[Any]:
+def _alike(base: Tree, other: Tree, name: str) -> list[AnyArray]:
     """The leaves of `other`; ModelError if its structure or shapes differ from those of `base`."""
     leaves = jax.tree.leaves(other)
     if jax.tree.structure(base) != jax.tree.structure(other) or any(
@@ -124,7 +127,7 @@ def _alike(base: Any, other: Any, name: str) -> list[Any]:
     return leaves
 
 
-def _difference(old: Any, new: Any) -> np.ndarray:
+def _difference(old: AnyArray, new: AnyArray) -> np.ndarray:
     """The difference of two arrays, with rounding errors set to zero."""
     if callable(old):
         return np.zeros(0)
@@ -136,7 +139,10 @@ def _difference(old: Any, new: Any) -> np.ndarray:
 
 
 def _check(
-    found: AffineArrays, made: Callable[[NDArray[np.float64]], Any], at: Any, parameters: MachineParameters
+    found: AffineArrays,
+    made: Callable[[Array], Tree],
+    at: Array,
+    parameters: MachineParameters,
 ) -> None:
     """ModelError if the arrays built from the values `at` differ from the affine functions."""
     expected = jax.tree.leaves(found.at(at))

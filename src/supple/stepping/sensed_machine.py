@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from supple.machine import GROUND, At, ForceElement, System
 from supple.methods.intrinsic.joined_machine import seen_element, seen_end
@@ -43,7 +42,7 @@ class SensedMachine:
             return Place(end.body, end.interface)
         return None if _is_line(self.own, place.body) else place
 
-    def element(self, element: ForceElement) -> Any:
+    def element(self, element: ForceElement) -> ForceElement:
         """The force element in the system of the model; it need not be an element of the machine."""
         if self.own is self.system:
             return element

@@ -1,9 +1,10 @@
-"""Outputs of a step program: sensors as functions of a state that JAX can trace."""
+"""Outputs of a step program: sensors and closed contacts as functions of a state that JAX can trace."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import jax
@@ -11,11 +12,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.equations.build_model import force_group_of, readers_of
-from supple.equations.configuration import SystemMotion
+from supple.equations.configuration import AnyArray, SystemMotion
+from supple.equations.ends import markers
 from supple.equations.joint_linearization import affine_form, axial
-from supple.equations.machine_model import Model
-from supple.machine import GROUND, EndReading, JointFriction, JointReading, System
+from supple.equations.machine_model import STATIC, Ends, ForceGroup, Model
+from supple.equations.marker import pose
+from supple.machine import GROUND, EndReading, ForceElement, JointFriction, JointReading, System
 from supple.machine.forces.relative_motion import axial_motion, wrapped
+from supple.machine.pose import Pose
 from supple.quantities import (
     AccelerationSensor,
     AngularVelocitySensor,
@@ -29,14 +33,14 @@ from supple.quantities import (
     SpringForceSensor,
     VelocitySensor,
 )
-from supple.stepping.one_of_group import one_of, pose_of
+from supple.stepping.marching import Tree
 from supple.stepping.sensed_machine import SensedMachine
 from supple.stepping.variables import Variable
 from supple.units import UnitSystem
 
-__all__ = ["SensedOutputs", "sensed_outputs"]
+__all__ = ["Contacts", "SensedOutputs", "contacts_of", "sensed_outputs"]
 
-Reads = Callable[[Model, SystemMotion, Any, Any], Any]
+Reads = Callable[[Model, SystemMotion, AnyArray, AnyArray], AnyArray]
 """Function (model, motion, previous channels (c,), time since the previous channels) -> channels (c,)."""
 
 
@@ -50,7 +54,7 @@ class SensedOutputs:
     left_out: tuple[str, ...]
     """Names of sensors that JAX cannot trace"""
 
-    def at(self, model: Model, motion: SystemMotion, before: Any, elapsed: Any) -> Any:
+    def at(self, model: Model, motion: SystemMotion, before: AnyArray, elapsed: AnyArray) -> AnyArray:
         """Channels (k,) for a motion.
 
         before : (k,) channels at a time earlier by `elapsed`, from which angles are continued
@@ -66,7 +70,8 @@ def sensed_outputs(seen: SensedMachine, sensors: Sequence[Quantity], units: Unit
     """The channels of sensors as functions of a motion; sensors that JAX cannot trace are left out."""
     variables, reads, left_out = [], [], []
     for sensor in sensors:
-        read = _read_of(seen, sensor)
+        made = next((make for kind, make in _READS.items() if isinstance(sensor, kind)), None)
+        read = None if made is None else made(seen, sensor)
         if read is None:
             left_out.append(sensor.name)
             continue
@@ -81,27 +86,6 @@ def sensed_outputs(seen: SensedMachine, sensors: Sequence[Quantity], units: Unit
         ]
         reads.append((len(channels), read))
     return SensedOutputs(tuple(variables), tuple(reads), tuple(left_out))
-
-
-def _read_of(seen: SensedMachine, sensor: Quantity) -> Reads | None:
-    made = next((make for kind, make in _READS.items() if isinstance(sensor, kind)), None)
-    return None if made is None else made(seen, sensor)
-
-
-def _position(seen: SensedMachine, sensor: PositionSensor) -> Reads | None:
-    return _of_point(seen, sensor.place, lambda moving, *_: moving[0])
-
-
-def _velocity(seen: SensedMachine, sensor: VelocitySensor) -> Reads | None:
-    return _of_point(seen, sensor.place, lambda moving, *_: moving[1])
-
-
-def _acceleration(seen: SensedMachine, sensor: AccelerationSensor) -> Reads | None:
-    return _of_point(seen, sensor.place, _absolute)
-
-
-def _absolute(moving: Any, time: Any, model: Model) -> Any:
-    return moving[2] + sum(jnp.asarray(law(time), dtype=float) for law in model.base_accelerations)
 
 
 @dataclass(frozen=True)
@@ -148,7 +132,7 @@ class _Point:
         quadratic[np.abs(quadratic) <= rounding] = 0.0
         return cls(index, rest, linear.T, np.moveaxis(quadratic, 2, 0))
 
-    def at(self, model: Model, motion: SystemMotion) -> tuple[Any, Any, Any]:
+    def at(self, model: Model, motion: SystemMotion) -> tuple[AnyArray, AnyArray, AnyArray]:
         """Position, velocity and acceleration (3,), global."""
         configuration, own = motion.configuration, model.slices[self.body]
         origin, turn = configuration.origins[self.body], configuration.rotations[self.body]
@@ -165,12 +149,22 @@ class _Point:
         return origin + turn @ arm, velocity, a[:3] + turn @ seen
 
 
-def _of_point(seen: SensedMachine, place: Place, chosen: Callable[..., Any]) -> Reads | None:
-    own = seen.place(place)
-    if own is None:
+def _of_point(
+    derivative: int, seen: SensedMachine, sensor: PositionSensor | VelocitySensor | AccelerationSensor
+) -> Reads | None:
+    """Position, velocity or acceleration in space of a place, by the number of the derivative."""
+    place = seen.place(sensor.place)
+    if place is None:
         return None
-    point = _Point.of(seen.system, own)
-    return lambda model, motion, *_: chosen(point.at(model, motion), motion.time, model)
+    point = _Point.of(seen.system, place)
+
+    def read(model: Model, motion: SystemMotion, *_: AnyArray) -> AnyArray:
+        value = point.at(model, motion)[derivative]
+        if derivative < 2:
+            return value
+        return value + sum(jnp.asarray(law(motion.time), dtype=float) for law in model.base_accelerations)
+
+    return read
 
 
 def _deflection(seen: SensedMachine, sensor: DeflectionSensor) -> Reads | None:
@@ -185,8 +179,8 @@ def _deflection(seen: SensedMachine, sensor: DeflectionSensor) -> Reads | None:
     rest = np.asarray(sensor.place.rest(own.body)) - start
     # A reader uses the global axes at assembly, a deflection the axes of the mesh of the place.
 
-    def read(model: Model, motion: SystemMotion, *_: Any) -> Any:
-        from_there = pose_of(reader.first, motion)
+    def read(model: Model, motion: SystemMotion, *_: AnyArray) -> AnyArray:
+        from_there = _pose_of(reader.first, motion)
         axes = from_there.axes @ to_mesh
         return axes.T @ (point.at(model, motion)[0] - from_there.point) - rest
 
@@ -197,14 +191,14 @@ def _angular_velocity(seen: SensedMachine, sensor: AngularVelocitySensor) -> Rea
     if sensor.at == GROUND:
         return lambda *_: jnp.zeros(3)
     (reader,) = readers_of(seen.system, {"end": EndReading(seen.end(sensor.at))})
-    return lambda _, motion, *__: pose_of(reader.first, motion).angular_velocity
+    return lambda _, motion, *__: _pose_of(reader.first, motion).angular_velocity
 
 
 def _joint_motion(seen: SensedMachine, sensor: JointMotionSensor) -> Reads:
     (reader,) = readers_of(seen.system, {"joint": JointReading(sensor.joint)})
 
-    def read(_model: Model, motion: SystemMotion, before: Any, elapsed: Any) -> Any:
-        own = axial_motion(pose_of(reader.first, motion), pose_of(reader.second, motion))
+    def read(_model: Model, motion: SystemMotion, before: AnyArray, elapsed: AnyArray) -> AnyArray:
+        own = axial_motion(_pose_of(reader.first, motion), _pose_of(reader.second, motion))
         # As in the sensor: the angle within half a revolution of the value predicted by the mean rate.
         expected = before[0] + elapsed * (before[1] + own.rate) / 2
         angle = expected + wrapped(own.angle - expected)
@@ -213,30 +207,25 @@ def _joint_motion(seen: SensedMachine, sensor: JointMotionSensor) -> Reads:
     return read
 
 
-def _joint_wrench(system: System, name: str) -> Callable[[Model, SystemMotion], Any]:
-    """Function (model, motion) -> force and moment (6,) on the second end, in axes of the first end."""
+def _joint_wrench(system: System, name: str) -> Reads:
+    """Force and moment (6,) on the second end of a joint, in axes of the first end."""
     joint = next(each for each in system.joints if each.name == name)
     rows = system.constraint_slices[name]
     (reader,) = readers_of(system, {"joint": JointReading(name)})
 
-    def read(model: Model, motion: SystemMotion) -> Any:
+    def read(model: Model, motion: SystemMotion, *_: AnyArray) -> AnyArray:
         group = next(each for each in model.joints if rows.start in each.rows.starts)
         value = None
         if group.law is not None:
             number = group.rows.starts.index(rows.start)
-            value = jnp.asarray(one_of(group.law, number)(motion.time))
+            value = jnp.asarray(_first_of(group.law, number)(motion.time))
         coefficients = jnp.asarray(affine_form(type(joint).constraint, value)[0])
         every = jnp.zeros(model.n_equations).at[np.array(model.active, dtype=int)].set(motion.multipliers)
         weights = every[rows] @ coefficients
-        turn = pose_of(reader.first, motion).axes.T @ pose_of(reader.second, motion).axes
+        turn = _pose_of(reader.first, motion).axes.T @ _pose_of(reader.second, motion).axes
         return -jnp.concatenate([weights[:3], axial(weights[3:].reshape(3, 3) @ turn.T)])
 
     return read
-
-
-def _joint_force(seen: SensedMachine, sensor: JointForceSensor) -> Reads:
-    wrench = _joint_wrench(seen.system, sensor.joint)
-    return lambda model, motion, *_: wrench(model, motion)
 
 
 class _Unnamed:
@@ -267,12 +256,12 @@ def _element(seen: SensedMachine, sensor: SpringForceSensor | ElementEnergySenso
     carried = _joint_wrench(system, element.joint.name) if isinstance(element, JointFriction) else None
     kind, energy = type(element), isinstance(sensor, ElementEnergySensor)
 
-    def read(group: Any, model: Model, motion: SystemMotion, *_: Any) -> Any:
-        first, second = pose_of(group.first, motion), pose_of(group.second, motion)
-        parameters = one_of(group.parameters, 0)
-        value: Any = None if carried is None else carried(model, motion)[:2]
+    def read(group: ForceGroup, model: Model, motion: SystemMotion, *_: AnyArray) -> AnyArray:
+        first, second = _pose_of(group.first, motion), _pose_of(group.second, motion)
+        parameters = _first_of(group.parameters)
+        value: AnyArray = None if carried is None else carried(model, motion, *_)[:2]
         if group.law is not None:
-            value = jnp.asarray(one_of(group.law, 0)(motion.time))
+            value = jnp.asarray(_first_of(group.law)(motion.time))
         loads = kind.wrenches(first, second, value, parameters)
         if not energy:
             return jnp.concatenate(loads[0 if kind.acts_on_first_alone else 1])
@@ -287,14 +276,49 @@ def _element(seen: SensedMachine, sensor: SpringForceSensor | ElementEnergySenso
 
 
 _READS: dict[type, Callable[[SensedMachine, Any], Reads | None]] = {
-    PositionSensor: _position,
-    VelocitySensor: _velocity,
-    AccelerationSensor: _acceleration,
+    PositionSensor: partial(_of_point, 0),
+    VelocitySensor: partial(_of_point, 1),
+    AccelerationSensor: partial(_of_point, 2),
     DeflectionSensor: _deflection,
     AngularVelocitySensor: _angular_velocity,
     JointMotionSensor: _joint_motion,
-    JointForceSensor: _joint_force,
+    JointForceSensor: lambda seen, sensor: _joint_wrench(seen.system, sensor.joint),
     SpringForceSensor: _element,
     ElementEnergySensor: _element,
 }
 """Functions that build the `Reads` of a sensor, by the type of the sensor; None if JAX cannot trace it."""
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Contacts:
+    """The force elements of a machine that act by a penalty, each as a group of one element."""
+
+    kinds: tuple[type[ForceElement], ...] = field(metadata=STATIC)
+    groups: tuple[ForceGroup, ...]
+
+    def at(self, motion: SystemMotion) -> AnyArray:
+        """Whether each element (c,) is closed: its penalty stores energy."""
+        no_law: AnyArray = None
+        flags = []
+        for kind, group in zip(self.kinds, self.groups, strict=True):
+            ends = _pose_of(group.first, motion), _pose_of(group.second, motion)
+            flags.append(kind.energy(*ends, no_law, _first_of(group.parameters)) > 0)
+        return jnp.stack(flags) if flags else jnp.zeros(0, dtype=bool)
+
+
+def contacts_of(system: System) -> Contacts:
+    """The stops and contacts of a machine, in the order of its loads."""
+    elements = [each for each in system.loads if isinstance(each, ForceElement) and hasattr(each, "penalty")]
+    groups = tuple(force_group_of(system, each) for each in elements)
+    return Contacts(tuple(type(each) for each in elements), groups)
+
+
+def _first_of(arrays: Tree, number: int = 0) -> Tree:
+    """The arrays of element `number` of a group."""
+    return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], arrays)
+
+
+def _pose_of(ends: Ends, motion: SystemMotion) -> Pose:
+    """Position, axes and velocities of the first of some ends."""
+    return pose(_first_of(markers(ends, motion.configuration, motion.velocity)))

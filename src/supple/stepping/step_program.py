@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -15,23 +15,21 @@ import numpy as np
 from supple.arguments import checked_arguments
 from supple.equations.compiled_machine import compiled_start
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import SystemMotion
+from supple.equations.configuration import AnyArray, SystemMotion
 from supple.equations.machine_model import Model
 from supple.errors import ModelError
 from supple.integrate import ExplicitRule, Kinematic, Run
 from supple.machine import SampledController, System
 from supple.methods.intrinsic.supported_root import is_joined
 from supple.quantities import Quantity
-from supple.stepping.consistent_accelerations import consistent_accelerations
-from supple.stepping.contacts import Contacts, contacts_of
-from supple.stepping.external_inputs import ExternalInputs, external_inputs
+from supple.stepping.consistent_accelerations import after_jump, consistent_accelerations
+from supple.stepping.external_inputs import Driven, ExternalInputs, external_inputs
 from supple.stepping.floating_steps import FloatingSteps, floating_steps
-from supple.stepping.input_jump import after_jump
 from supple.stepping.joined_steps import joined_steps
-from supple.stepping.marching import Marching, MarchingState
+from supple.stepping.marching import Marching, MarchingState, Tree
 from supple.stepping.parameters import AffineArrays, MachineParameters, affine_arrays
 from supple.stepping.sensed_machine import SensedMachine, ends_on_lines
-from supple.stepping.sensed_outputs import SensedOutputs, sensed_outputs
+from supple.stepping.sensed_outputs import Contacts, SensedOutputs, contacts_of, sensed_outputs
 from supple.stepping.variables import Variable, check_names
 from supple.units import UNNAMED, UnitSystem
 
@@ -41,29 +39,29 @@ __all__ = ["StepProgram", "StepState", "step_program"]
 class StepState(NamedTuple):
     """The complete state of a machine between two steps, a pytree."""
 
-    parameter: Any
+    parameter: AnyArray
     """Parameters (k,)"""
-    input: Any
+    input: AnyArray
     """Inputs (i,) of the next step"""
-    output: Any
+    output: AnyArray
     """Outputs (o,)"""
-    touching: Any
+    touching: AnyArray
     """Mask (c,): True for stops and contacts that are closed"""
     state: MarchingState
-    held: Any
+    held: AnyArray
     """Inputs (i,) for which the accelerations of the state hold"""
 
 
 class _Parts(NamedTuple):
     """Data that may depend on the parameters; for a machine with parameters, also the initial state."""
 
-    arrays: Any
-    reads: Any
+    arrays: Tree
+    reads: Tree
     """Functions that compute the outputs"""
     contacts: Contacts
-    configuration: Any = None
-    velocity: Any = None
-    control: Any = None
+    configuration: Tree = None
+    velocity: AnyArray = None
+    control: Tree = None
 
 
 _SAME = 1e-9
@@ -107,7 +105,7 @@ class StepProgram:
             self.parts.depend(lambda parts: (parts.configuration, parts.velocity, parts.control))
         )
 
-    def started(self, parameter: Any, given: Any) -> StepState:
+    def started(self, parameter: AnyArray, given: AnyArray) -> StepState:
         """The state at the start of the run for parameters (k,) and inputs (i,).
 
         Only for a machine with parameters. `failed` is True if the iteration of friction and joint forces
@@ -115,7 +113,7 @@ class StepProgram:
         """
         parts = self.parts.at(parameter)
         model = self.inputs.given(parts.arrays, given)
-        begun: Any = self.start.state
+        begun: Tree = self.start.state
         acceleration, multipliers, jams = consistent_accelerations(
             model, begun.time, parts.configuration, parts.velocity, parts.control
         )
@@ -134,7 +132,7 @@ class StepProgram:
         output = outputs.at(model, motion, before, 0.0)
         return StepState(parameter, given, output, parts.contacts.at(motion), state, given)
 
-    def advanced(self, now: StepState, end: Any) -> StepState:
+    def advanced(self, now: StepState, end: AnyArray) -> StepState:
         """The state at `end`, by equal steps of at most `size`; if a step fails, the state before that step.
 
         JAX can trace and compile this function. Forward-mode derivatives (`jax.jvp`, `jax.jacfwd`) with
@@ -142,7 +140,7 @@ class StepProgram:
         """
         parts = self.parts.at(now.parameter)
         arrays = self.inputs.given(parts.arrays, now.input)
-        begun: Any = now.state
+        begun: Tree = now.state
         if self.inputs.jump and isinstance(self.march, FloatingSteps):
             begun = after_jump(self.inputs, parts.arrays, begun, now.held, now.input)
         state = self.march.reached(arrays, begun, end)
@@ -157,7 +155,7 @@ class StepProgram:
         )
 
     @cached_property
-    def compiled(self) -> Any:
+    def compiled(self) -> Callable[[StepState, float], StepState]:
         """`advanced` as a compiled function (state, time) -> state."""
         program = jax.jit(self.advanced).lower(self.start, np.float64(0.0)).compile(STARTING)
         return lambda now, end: program(now, np.float64(end))
@@ -168,7 +166,7 @@ def step_program(
     system: System,
     run: Run,
     sensors: Sequence[Quantity] = (),
-    inputs: Mapping[str, Any] = MappingProxyType({}),
+    inputs: Mapping[str, Driven] = MappingProxyType({}),
     *,
     input_units: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
@@ -279,7 +277,7 @@ def _without_unread_scales(model: Model) -> Model:
 
 def _made_ready(
     system: System, run: Run, sensors: Sequence[Quantity]
-) -> tuple[Marching, Any, Any, SensedMachine]:
+) -> tuple[Marching, Tree, Tree, SensedMachine]:
     """Time integration of a machine, its arrays, the initial state, and the machine for its sensors."""
     if any(placed.body.kind == "intrinsic" for placed in system.bodies):
         joined, machine, begun = joined_steps(system, run, ends_on_lines(system, sensors))
@@ -298,7 +296,7 @@ _OTHERS = {
 """Reason and remedy for kinds of bodies that a step program does not support."""
 
 
-def _check(system: System, run: Run, inputs: Mapping[str, Any], parameters: Sequence[Variable]) -> None:
+def _check(system: System, run: Run, inputs: Mapping[str, Driven], parameters: Sequence[Variable]) -> None:
     """ModelError for machines that have no step program, with the cause and the remedy."""
     kinds = {placed.body.kind for placed in system.bodies}
     for kind in sorted(kinds - {"rigid", "reduced", "intrinsic"}):
@@ -322,7 +320,7 @@ def _check(system: System, run: Run, inputs: Mapping[str, Any], parameters: Sequ
         _check_lines(system, inputs)
 
 
-def _check_lines(system: System, inputs: Mapping[str, Any]) -> None:
+def _check_lines(system: System, inputs: Mapping[str, Driven]) -> None:
     """ModelError for intrinsic bodies with a supported root, and for a prescribed motion as an input."""
     if not is_joined(system):
         raise ModelError(

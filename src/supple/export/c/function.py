@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from importlib.resources import files
-from typing import Any
 
 import jax
 import numpy as np
@@ -17,6 +16,7 @@ from supple.export.c.operations import program_of
 from supple.export.c.printer import Printed, print_program
 from supple.export.c.separate_functions import SeparateFunctions
 from supple.export.c.values import Buffer, BufferView, Value, c_type, row_major
+from supple.stepping.marching import Tree
 
 __all__ = ["HEAD", "function_source", "named_view", "printed_function"]
 
@@ -38,8 +38,8 @@ def named_view(name: str, shape: Sequence[int], dtype: DTypeLike, *, is_scalar: 
 
 
 def printed_function(
-    function: Callable[..., Any],
-    arguments: Any,
+    function: Callable[..., Tree],
+    arguments: Sequence[Tree],
     inputs: Sequence[BufferView],
     outputs: Sequence[BufferView],
     name: str,
@@ -63,7 +63,7 @@ def printed_function(
     return print_program(program, dict(zip(program.inputs, inputs, strict=True)), store, own)
 
 
-def function_source(function: Callable[..., Any], *arguments: Any, name: str = "function") -> str:
+def function_source(function: Callable[..., Tree], *arguments: Tree, name: str = "function") -> str:
     """A C file with `void name(const T *x0, .., T *y0, ..)`, one pointer per leaf."""
     given = jax.tree.leaves(arguments)
     results = jax.tree.leaves(jax.eval_shape(function, *arguments))

@@ -9,11 +9,11 @@ from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from string import Template
-from typing import Any
 
 import jax
 import numpy as np
 
+from supple.equations.configuration import AnyArray
 from supple.export.ascii_file import check_not_foreign
 from supple.export.c.function import HEAD, named_view, printed_function
 from supple.export.c.values import BufferView, c_type, literal
@@ -183,8 +183,8 @@ def derivative_source(step: StepProgram) -> str:
     Raises ModelError for an operation of the derivative without a translation to C.
     """
 
-    def rates(now: StepState, end: Any, direction: Any) -> Any:
-        def outputs(given: Any) -> Any:
+    def rates(now: StepState, end: AnyArray, direction: AnyArray) -> AnyArray:
+        def outputs(given: AnyArray) -> AnyArray:
             return step.advanced(now._replace(input=given), end).output
 
         return jax.jvp(outputs, (now.input,), (direction,))[1]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -20,7 +19,7 @@ from supple.integrate import Run
 from supple.linearization import LinearMachine, linearize
 from supple.machine import JointFriction, PrismaticFriction, RevoluteFriction, System
 from supple.quantities import Quantity
-from supple.stepping.external_inputs import external_inputs
+from supple.stepping.external_inputs import Driven, external_inputs
 from supple.stepping.sensed_machine import SensedMachine
 from supple.stepping.sensed_outputs import SensedOutputs, sensed_outputs
 from supple.stepping.variables import Variable, check_names
@@ -74,7 +73,7 @@ def linear_form(
     system: System,
     run: Run,
     sensors: Sequence[Quantity] = (),
-    inputs: Mapping[str, Any] = MappingProxyType({}),
+    inputs: Mapping[str, Driven] = MappingProxyType({}),
     *,
     input_units: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
@@ -299,7 +298,7 @@ def _apart(rest: CompiledStart, begun: CompiledStart) -> Array:
     return found
 
 
-def _check(system: System, inputs: Mapping[str, Any]) -> None:
+def _check(system: System, inputs: Mapping[str, Driven]) -> None:
     """ModelError for machines that have no linear form, with the cause and the remedy."""
     for placed in system.bodies:
         if placed.body.kind not in ("rigid", "reduced"):

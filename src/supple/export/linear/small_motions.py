@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -12,11 +12,12 @@ import numpy as np
 from supple.equations.balance import balance
 from supple.equations.compiled_machine import CompiledStart
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import ControlStep, SystemMotion, advance
+from supple.equations.configuration import AnyArray, ControlStep, SystemMotion, advance
 from supple.equations.control_force import stepped
 from supple.equations.steady_motion import in_turning_axes
 from supple.machine.laws.instants import uneven_times
 from supple.stepping.external_inputs import ExternalInputs
+from supple.stepping.marching import Tree
 from supple.stepping.sensed_outputs import SensedOutputs
 
 __all__ = ["MotionChanges", "SmallMotions", "small_motions", "varies_in_time"]
@@ -31,17 +32,17 @@ _ROUNDING = 1e-9
 class MotionChanges(NamedTuple):
     """Small changes about the equilibrium, in the axes of the bodies; or derivatives with respect to them."""
 
-    position: Any
+    position: AnyArray
     """(n,)"""
-    velocity: Any
+    velocity: AnyArray
     """(n,)"""
-    acceleration: Any
+    acceleration: AnyArray
     """(n,)"""
-    control: Any
+    control: AnyArray
     """(c,) states of controllers"""
-    reactions: Any
+    reactions: AnyArray
     """(m,) multipliers of the joints"""
-    inputs: Any
+    inputs: AnyArray
     """(i,)"""
 
 
@@ -63,7 +64,7 @@ class SmallMotions(NamedTuple):
         The reactions follow from `G^T dl = - dr`; the motions must satisfy the joints.
         """
         moved = zip(self.residual, changes, strict=True)
-        left: Any = sum(np.asarray(one) @ change for one, change in moved if change is not None)
+        left: AnyArray = sum(np.asarray(one) @ change for one, change in moved if change is not None)
         reactions = np.linalg.lstsq(np.asarray(self.residual.reactions), -left, rcond=None)[0]
         read = zip(self.outputs, changes._replace(reactions=reactions), strict=True)
         return reactions, np.asarray(sum(np.asarray(one) @ change for one, change in read))
@@ -95,15 +96,15 @@ def small_motions(
             control=control,
         )
 
-    def outputs(at: MotionChanges, before: Any) -> Any:
+    def outputs(at: MotionChanges, before: AnyArray) -> AnyArray:
         inputs = given.start + at.inputs
         read = replace(sensed, reads=given.given(sensed.reads, inputs))
         return read.at(given.given(model, inputs), motion(at), before, 0.0)
 
-    def residual(at: MotionChanges) -> Any:
+    def residual(at: MotionChanges) -> AnyArray:
         return axes.T @ balance(given.given(model, given.start + at.inputs), motion(at)).residual
 
-    def derivatives(at: MotionChanges) -> Any:
+    def derivatives(at: MotionChanges) -> tuple[MotionChanges, MotionChanges, AnyArray]:
         before = outputs(at, jnp.zeros(len(sensed.variables)))
         both = jax.jacfwd(lambda change: (residual(change), outputs(change, before)))(at)
         return *both, before
@@ -117,7 +118,7 @@ def small_motions(
 def varies_in_time(rest: CompiledStart, begin: float, end: float) -> bool:
     """Whether forces, joints or controllers of a machine at rest differ at 101 unevenly spaced times."""
 
-    def terms(time: Any) -> tuple[Any, ...]:
+    def terms(time: AnyArray) -> Tree:
         motion = _at_rest(rest, time)
         found, after = balance(rest.model, motion), stepped(rest.model, motion)
         return found.applied + found.inertia, found.constraint_residual, () if after is None else after.rates
@@ -129,7 +130,7 @@ def varies_in_time(rest: CompiledStart, begin: float, end: float) -> bool:
     return any(np.ptp(each, axis=0).max() > _ROUNDING * np.abs(each).max() for each in every)
 
 
-def _at_rest(rest: CompiledStart, time: Any) -> SystemMotion:
+def _at_rest(rest: CompiledStart, time: AnyArray) -> SystemMotion:
     control = None if rest.control is None else ControlStep(rest.control, np.zeros(()))
     at = rest.configuration, rest.velocity, rest.acceleration, rest.multipliers
     return SystemMotion(time, *at, control)
