@@ -217,8 +217,8 @@ def test_a_certificate_of_a_replaced_sweep_is_none_of_the_new_one(planned, pendu
     folder, former = planned
     module = sys.modules["supple.sweeps.certified_group"]
     now = make_plan(pendulum, CaseTable({"gravity[2]": [-1.0]}), SweepOutput())
-    nothing = SimpleNamespace(reduced={}, starts={})
-    group = SimpleNamespace(bodies=nothing, fresh=nothing, like=None, fulls=lambda _: {})
+    nothing = SimpleNamespace(reduced={})
+    group = SimpleNamespace(bodies=nothing, targets={}, like=None, fulls=lambda _: {})
 
     def overtaken(_folder, _group, _number, _level, own, _alone):
         plan_sweep(now, folder, force=True)

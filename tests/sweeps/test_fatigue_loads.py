@@ -14,9 +14,8 @@ from supple.cases.result_tables import recorded_quantities
 from supple.errors import CaseError
 from supple.fatigue import Residue, damage_equivalent_load, rainflow
 from supple.sweeps import CaseTable, FatigueLoads, read_sweep, read_sweep_file, sweep
-from supple.sweeps.fatigue_loads import class_of, range_of, summed_spectra
+from supple.sweeps.fatigue_loads import class_of, planned_channels, range_of, summed_spectra
 from supple.sweeps.plan import SweepPlan
-from supple.sweeps.planned_channels import planned_channels
 from supple.sweeps.read_sweep import SweepColumns
 from supple.sweeps.sweep_file import SweepOutput
 from supple.units import UnitSystem

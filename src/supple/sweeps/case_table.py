@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields, given
-from supple.errors import CaseError
+from supple.errors import CaseError, did_you_mean
 from supple.fatigue import Weibull
 
 __all__ = [
@@ -57,6 +57,11 @@ class CaseTable:
 
     def __len__(self) -> int:
         return next((len(column) for column in self.columns.values()), 0)
+
+    def check_has(self, name: str, what: str = "") -> None:
+        """CaseError for a name that is no column, after the words `what`."""
+        if name not in self.columns:
+            raise CaseError(f"{what}no column is named {name!r}{did_you_mean(name, self.columns)}")
 
     def row(self, case: int) -> dict[str, Any]:
         """The values of a case, by path."""
@@ -133,35 +138,34 @@ class Sampling(Protocol):
 
 
 @dataclass(frozen=True)
-class LatinHypercube:
-    """Latin hypercube: one point in each of `number` intervals of every parameter (`scipy.stats.qmc`).
-
-    Raises CaseError for a number below one.
-    """
+class _Numbered:
+    """Number of points, and seed of their random numbers."""
 
     number: int
     seed: int = 0
 
     def __post_init__(self) -> None:
-        _check_sampling(self)
+        check_fields(self)
+        if self.number < 1:
+            raise CaseError(f"{type(self).__name__}: number must be at least 1, got {self.number}")
+
+
+class LatinHypercube(_Numbered):
+    """Latin hypercube: one point in each of `number` intervals of every parameter (`scipy.stats.qmc`).
+
+    Raises CaseError for a number below one.
+    """
 
     def points(self, dimensions: int) -> Array:
         """Points (number, dimensions)."""
         return scipy.stats.qmc.LatinHypercube(dimensions, rng=self.seed).random(self.number)
 
 
-@dataclass(frozen=True)
-class Sobol:
+class Sobol(_Numbered):
     """Scrambled Sobol sequence (`scipy.stats.qmc.Sobol`) of 2^m points, for which it is balanced.
 
     Raises CaseError for a number below one.
     """
-
-    number: int
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        _check_sampling(self)
 
     def points(self, dimensions: int) -> Array:
         """Points (number, dimensions); CaseError for a number that is no power of two."""
@@ -171,12 +175,6 @@ class Sobol:
                 f"{2 ** (self.number.bit_length() - 1)} or {2 ** self.number.bit_length()}, not {self.number}"
             )
         return scipy.stats.qmc.Sobol(dimensions, rng=self.seed).random(self.number)
-
-
-def _check_sampling(sampling: LatinHypercube | Sobol) -> None:
-    check_fields(sampling)
-    if sampling.number < 1:
-        raise CaseError(f"{type(sampling).__name__}: number must be at least 1, got {sampling.number}")
 
 
 def full_factorial(values: Mapping[str, Sequence[Any]]) -> CaseTable:

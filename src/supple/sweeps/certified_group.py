@@ -85,9 +85,8 @@ def _certified_group(
     kept = {name: stored_path(own, name) for name in group.bodies.reduced}
     reduced = {name: read_reduced_body(path) for name, path in kept.items() if path.exists()}
     group = group.with_bodies(reduced) if reduced else group
-    targets = {name: start.target for name, start in group.fresh.starts.items()}
     fulls = group.fulls(group.like)
-    return CertifiedGroup(group, read_certificate(own / _CERTIFICATE, fulls, targets))
+    return CertifiedGroup(group, read_certificate(own / _CERTIFICATE, fulls, group.targets))
 
 
 def swept_case(folder: Path | str, number: int, *, allow_code: bool = False) -> SweptCase:

@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
+from supple.body import FullBody
 from supple.cases.case import Case
+from supple.cases.result_tables import recorded_quantities
 from supple.errors import CaseError, did_you_mean
 from supple.fatigue import Residue, damage_equivalent_load, rainflow
 from supple.importers.toml import CheckedTable, Positive
 from supple.sweeps.case_table import CaseTable
+from supple.sweeps.group_bodies import is_reduced_here
 from supple.sweeps.hot_spots import HotSpot, check_hot_spots
 from supple.sweeps.lifetime_of_sweep import LifetimeOfCases
-from supple.sweeps.planned_channels import planned_channels
 
 __all__ = ["FatigueLoads", "class_of", "range_of", "summed_spectra"]
 
@@ -148,3 +150,22 @@ def summed_spectra(parts: Sequence[Array]) -> Array:
     places, own = np.unique(rows[:, :2], axis=0, return_inverse=True)
     cycles = np.bincount(own.ravel(), rows[:, 2], minlength=len(places))
     return np.column_stack([places, cycles.astype(np.float64)])
+
+
+def planned_channels(case: Case) -> tuple[str, ...]:
+    """Names of all channels of a case, such as "joint root.Fx", in their order.
+
+    Bodies to be reduced are replaced by full bodies: their meshes are read, but no matrix is factored.
+    Raises SuppleError for errors of meshes, bodies, joints or sensors.
+    """
+    full = {
+        table.name: FullBody(case.flexible[table.name], table.frame.build())
+        for table in case.parts.body
+        if is_reduced_here(table) and table.frame is not None
+    }
+    planned = case.varied(case.tables, full)
+    return tuple(
+        f"{quantity.name}.{channel.name}" if channel.name else quantity.name
+        for quantity in recorded_quantities(planned, planned.system)
+        for channel in quantity.channels(planned.system)
+    )

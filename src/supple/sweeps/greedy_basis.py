@@ -42,8 +42,7 @@ from supple.reduction import CondensedQuartic, PlainQuartic, ReducedBody, Reduct
 from supple.simulation.stored_basis import stored_bases
 from supple.sweeps.certificate import Certificate, Representative
 from supple.sweeps.plan import MARCHED_AT_ONCE, SweepPlan
-from supple.sweeps.swept_group import SweptCase, SweptGroup
-from supple.sweeps.training_runs import TrainingRuns, training_runs
+from supple.sweeps.swept_group import SweptCase, SweptGroup, TrainingRuns
 
 __all__ = ["certify", "indicated", "training_cases"]
 
@@ -65,12 +64,12 @@ def certify(
     Raises SuppleError for machines whose errors cannot be estimated, and errors of their runs.
     """
     for _ in range(MOST_ENRICHED):
-        search = _Search(group, runs or training_runs(group, cases))
+        search = _Search(group, runs or group.training_runs(cases))
         exceeding = search.run(first, may_enrich=bool(group.fresh.starts))
         if exceeding is None:
             return group, search.certificate
         group, runs = _enriched(group, exceeding), None
-    search = _Search(group, training_runs(group, cases))
+    search = _Search(group, group.training_runs(cases))
     search.run(first, may_enrich=False)
     return group, search.certificate
 
@@ -114,8 +113,7 @@ class _Search:
         self._group = group
         self._numbers, self._cases, self._solutions = runs.numbers, runs.cases, runs.solutions
         self._fields: dict[str, list[np.ndarray]] = {}
-        targets = {name: start.target for name, start in group.fresh.starts.items()}
-        self.certificate = Certificate(targets=targets)
+        self.certificate = Certificate(targets=group.targets)
 
     def run(self, first: int | None, *, may_enrich: bool) -> SweptCase | None:
         """Fill the certificate; stop at a case for which the bases must be enriched, and return that case."""
@@ -292,17 +290,4 @@ def _enriched(group: SweptGroup, own: SweptCase) -> SweptGroup:
         found = archive.bases
     else:
         found = {name: each.basis for name, each in corrected.bodies.items()}
-    as_like = group.fulls(group.like)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", LockingWarning)
-        return group.with_bodies(
-            {
-                name: project(
-                    as_like[name].body,
-                    basis,
-                    damping=as_like[name].damping,
-                    quartic=starts[name].quartic,
-                )
-                for name, basis in found.items()
-            }
-        )
+    return group.with_bodies({name: group.projected(name, basis) for name, basis in found.items()})

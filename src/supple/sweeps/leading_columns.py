@@ -15,20 +15,17 @@ Source: original to this project; a proper orthogonal decomposition of the motio
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.errors import LockingWarning
 from supple.integrate import FloatingMotion
 from supple.quantities.quantity_of_interest import WholeBody, quantity_distance
-from supple.reduction import ReducedBody, project
+from supple.reduction import ReducedBody
 from supple.simulation.stored_basis import stored_bases
-from supple.sweeps.swept_group import SweptGroup
-from supple.sweeps.training_runs import TrainingRuns, training_runs
+from supple.sweeps.swept_group import SweptGroup, TrainingRuns
 
 __all__ = ["principal_directions", "with_principal_bases"]
 
@@ -68,16 +65,16 @@ def with_principal_bases(group: SweptGroup, numbers: Sequence[int]) -> tuple[Swe
     """The group with smaller bases, or the given group if motions change too much, and its training runs.
 
     numbers : numbers of the cases whose motions give the directions
-    Raises errors as for `training_runs`.
+    Raises errors as for `SweptGroup.training_runs`.
     """
-    before = training_runs(group, numbers)
+    before = group.training_runs(numbers)
     bounds = _bounds(group, before)
     for missed in MISSED if before.cases and bounds else ():
         fewer = _fewer(group, before, bounds, missed)
         if not fewer:
             break
         reduced = group.with_bodies(fewer)
-        after = training_runs(reduced, before.numbers)
+        after = reduced.training_runs(before.numbers)
         if _agree(before, after, bounds):
             return reduced, after
     return group, before
@@ -85,10 +82,8 @@ def with_principal_bases(group: SweptGroup, numbers: Sequence[int]) -> tuple[Swe
 
 def _fewer(group: SweptGroup, runs: TrainingRuns, bounds: Bounds, missed: float) -> dict[str, ReducedBody]:
     """Bodies with a smaller basis, if their motions allow one; missed : fraction of the accuracy."""
-    like = group.like
-    fulls = group.fulls(like)
     found = {}
-    for name, basis in stored_bases(runs.cases[0].system, fulls).items():
+    for name, basis in stored_bases(runs.cases[0].system, group.fulls(group.like)).items():
         if name not in bounds:
             continue
         body = group.bodies.reduced[name]
@@ -99,14 +94,7 @@ def _fewer(group: SweptGroup, runs: TrainingRuns, bounds: Bounds, missed: float)
             continue
         directions = principal_directions(np.concatenate(coordinates), body.stiffness, missed * smallest)
         if directions.shape[1] < basis.r:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", LockingWarning)
-                found[name] = project(
-                    fulls[name].body,
-                    replace(basis, vectors=basis.vectors @ directions),
-                    damping=fulls[name].damping,
-                    quartic=group.fresh.starts[name].quartic,
-                )
+            found[name] = group.projected(name, replace(basis, vectors=basis.vectors @ directions))
     return found
 
 
@@ -128,9 +116,10 @@ def _agree(before: TrainingRuns, after: TrainingRuns, bounds: Bounds) -> bool:
 
 def _bounds(group: SweptGroup, runs: TrainingRuns) -> Bounds:
     """Bounds of the bodies whose bases must meet an accuracy of positions."""
-    targets = {name: start.target for name, start in group.fresh.starts.items() if start.target.of is None}
     found: Bounds = {}
-    for name, target in targets.items():
+    for name, target in group.targets.items():
+        if target.of is not None:
+            continue
         motions = zip(runs.cases, runs.solutions, strict=True)
         sizes = [WholeBody(name).size(case.system, solution) for case, solution in motions]
         found[name] = [(target.allowed(size), size) for size in sizes]

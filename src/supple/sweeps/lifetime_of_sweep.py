@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from supple.cases.table import table_of
-from supple.errors import CaseError, did_you_mean
+from supple.errors import CaseError
 from supple.fatigue import Lifetime, Weibull, lifetime_of_cases
 from supple.importers.toml import CheckedTable, Positive
 from supple.sweeps.case_table import CaseTable
@@ -37,10 +37,7 @@ class LifetimeOfCases(CheckedTable):
 
     def check(self, table: CaseTable) -> None:
         """CaseError if the speed is no column of numbers; ModelError for cut-in or cut-out between speeds."""
-        if self.speed not in table.columns:
-            raise CaseError(
-                f"fatigue: no column is named {self.speed!r}{did_you_mean(self.speed, table.columns)}"
-            )
+        table.check_has(self.speed, "fatigue: ")
         if not all(isinstance(value, int | float) for value in table.columns[self.speed]):
             raise CaseError(f"fatigue: the column {self.speed} has texts; give wind speeds as numbers")
         self.of(table, 1.0)

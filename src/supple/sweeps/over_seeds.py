@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.errors import CaseError, did_you_mean
+from supple.errors import CaseError
 from supple.optional_packages import optional_package
 from supple.sweeps.case_table import CaseTable
 from supple.sweeps.plan import numbered
@@ -39,8 +39,7 @@ def conditions_of(table: CaseTable, seeds: Sequence[str]) -> tuple[IntArray, Cas
     Cases belong to one condition if all columns but the seeds agree. CaseError for a seed that is no column.
     """
     for name in seeds:
-        if name not in table.columns:
-            raise CaseError(f"no column is named {name!r}{did_you_mean(name, table.columns)}")
+        table.check_has(name)
     others = {path: column for path, column in table.columns.items() if path not in seeds}
     keys = [tuple(map(repr, row)) for row in zip(*others.values(), strict=True)]
     numbers = numbered(keys, len(table))

@@ -24,7 +24,7 @@ from supple.cases.case_family import CaseFamily, case_family
 from supple.cases.case_inputs import digests_of_files, missing_files
 from supple.cases.parameter_path import parameter_path
 from supple.cases.result_machine import path_from
-from supple.errors import CaseError, ResultFileError, did_you_mean
+from supple.errors import CaseError, ResultFileError
 from supple.importers.toml import KeyPath, Raw
 from supple.storage.file_seal import seal_of
 from supple.storage.run_inputs import Inputs, changes, digest_of
@@ -191,7 +191,11 @@ def make_plan(
         if finds_modes or not all(is_number_of_run(place, value, family.raw) for value in table.columns[path])
     ]
     keys = [list(map(repr, table.columns[path])) for path in apart]
-    ratios = [path for path, place in places.items() if path not in apart and _is_ratio(place)]
+    ratios = [
+        path
+        for path, place in places.items()
+        if path not in apart and place[0] == "body" and place[-2:] == ("damping", "ratio")
+    ]
     if len(ratios) > 1:
         # The damping of one case is scaled for all cases of a group: a ratio is zero in all cases or in none.
         keys += [[value == 0 for value in table.columns[path]] for path in ratios]
@@ -218,8 +222,7 @@ def _check_columns(table: CaseTable, output: SweepOutput, raw: Raw) -> None:
             )
     for what, names in (("labels", output.labels), ("seeds", output.seeds)):
         for name in names:
-            if name not in table.columns:
-                raise CaseError(f"{what}: no column is named {name!r}{did_you_mean(name, table.columns)}")
+            table.check_has(name, f"{what}: ")
 
 
 def _check_places(places: Mapping[str, KeyPath]) -> None:
@@ -256,11 +259,6 @@ def _finds_modes(raw: Raw, places: Iterable[KeyPath]) -> bool:
     return any("accuracy" in own for own in given) or any(
         place[2:4] == ("condense", "accuracy") for place in places
     )
-
-
-def _is_ratio(place: KeyPath) -> bool:
-    """Whether a place of the case file is the damping ratio of a body."""
-    return place[0] == "body" and place[-2:] == ("damping", "ratio")
 
 
 def _stands(path: str, raw: Raw) -> bool:
@@ -305,7 +303,8 @@ def _inputs(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath])
     for path, place in places.items():
         for value in {repr(own): own for own in table.columns[path] if _has_text(own)}.values():
             files |= set(family.files({place: value}))
-    found = {"the case": digest_of(family.text.encode()), "the table": digest_of(_table_text(table).encode())}
+    text = json.dumps({path: list(column) for path, column in table.columns.items()})
+    found = {"the case": digest_of(family.text.encode()), "the table": digest_of(text.encode())}
     if family.raw.get("machine"):  # its file may include others; the tables contain all data used
         found["the machine"] = digest_of(repr(family.raw).encode())
     folder = family.path.parent
@@ -317,10 +316,6 @@ def _has_text(value: Any) -> bool:
     if isinstance(value, Mapping):
         return any(map(_has_text, value.values()))
     return isinstance(value, str) or (isinstance(value, list) and any(map(_has_text, value)))
-
-
-def _table_text(table: CaseTable) -> str:
-    return json.dumps({path: list(column) for path, column in table.columns.items()})
 
 
 def write_plan(folder: Path, plan: SweepPlan) -> None:

@@ -75,24 +75,21 @@ def _cases_of(folder: Path, share: int) -> tuple[list[int], int]:
     return shares.cases[share].tolist(), shares.level[share]
 
 
-def _unmarked(_: Sequence[int]) -> None:
-    """No mark, because the parent process gets the exit code."""
-
-
 def run_cases(
     folder: Path,
     cases: Sequence[int],
     level: int = 0,
-    began: Began = _unmarked,
+    began: Began = lambda _: None,
     *,
     allow_code: bool = False,
 ) -> Part:
     """The results of cases of one group, simulated in this process.
 
     level : number of their earlier runs; repeated runs may have enriched bases
+    began : marks the cases whose simulation begins; default: no mark, where the parent process gets the exit
+        code
     """
     plan = read_plan(folder, allow_code=allow_code)
-    words: dict[str, None] = {}
     number = int(plan.group[cases[0]])
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SuppleWarning)
@@ -117,10 +114,7 @@ def run_cases(
             raise
         except SuppleError as error:  # an error of the bodies, hence of all cases
             results = [CaseRecord(number, CaseStatus.FAILED, str(error)) for number in cases]
-    for each in caught:
-        if issubclass(each.category, SuppleWarning):
-            words[str(each.message)] = None
+    words = dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, SuppleWarning))
     # Cycles of cases that run again are counted after the last run.
     last = [each.spectrum for each in results if level == MOST_LEVELS or not each.needs_richer]
-    spectrum = summed_spectra(last)
-    return Part(results, tuple(words), plan.output.statistics, spectrum)
+    return Part(results, tuple(words), plan.output.statistics, summed_spectra(last))

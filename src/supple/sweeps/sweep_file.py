@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from supple.cases.read_case import checked_file
+from supple.cases.table import Key, table_of
 from supple.errors import CaseError, ImportFormatError
 from supple.importers.csv_table import CsvTable, read_csv_table
 from supple.importers.plain_number import is_finite_number, is_number, number_of_word, plain_integer
@@ -18,7 +19,6 @@ from supple.importers.text_file import file_lines
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, checked, listed_mistakes
 from supple.sweeps.case_table import (
     CaseTable,
-    Distribution,
     LatinHypercube,
     Normal,
     Sobol,
@@ -117,28 +117,9 @@ class _Pattern(CheckedTable):
         return [self.pattern.format(number) for number in range(self.first, self.last + 1)]
 
 
-class _Between(CheckedTable):
-    low: float = Field(alias="from")
-    high: float = Field(alias="to")
-
-    def build(self) -> Distribution:
-        return Uniform(self.low, self.high)
-
-
-class _Normal(CheckedTable):
-    mean: float
-    deviation: Positive
-
-    def build(self) -> Distribution:
-        return Normal(self.mean, self.deviation)
-
-
-class _Weibull(CheckedTable):
-    scale: Positive
-    shape: Positive
-
-    def build(self) -> Distribution:
-        return Weibull(self.scale, self.shape)
+_Between = table_of(Uniform, low=Key(name="from"), high=Key(name="to"))
+_Normal = table_of(Normal, deviation=Positive)
+_Weibull = table_of(Weibull, shape=Key(Positive, default=...))
 
 
 @dataclass(frozen=True)
@@ -234,7 +215,7 @@ def _mistakes_of_list(given: Any) -> Iterator[tuple[KeyPath, str]]:
                 yield ("pattern",), "there is no {} for the number, or from is greater than to; correct it"
 
 
-def _table_of_values(given: Mapping[str, Any]) -> tuple[Any, Sequence[tuple[KeyPath, str]]]:
+def _table_of_values(given: Raw) -> tuple[_Pattern | _Range | None, Sequence[tuple[KeyPath, str]]]:
     return checked(_Pattern if "pattern" in given else _Range, given, [])
 
 
@@ -260,6 +241,7 @@ def _listed_values(given: Any) -> list[Any]:
     if not isinstance(given, Mapping):
         return list(given)
     made, _ = _table_of_values(given)
+    assert made is not None  # mistakes are found before
     return made.values()
 
 

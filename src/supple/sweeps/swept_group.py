@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -16,19 +18,21 @@ from supple.cases.condense import with_sufficient_modes
 from supple.cases.notify import silent
 from supple.cases.result_tables import recorded_quantities
 from supple.cases.static_case import starting_system
-from supple.errors import CaseError, ResultFileError
+from supple.error import SelfCorrection
+from supple.errors import CaseError, ConvergenceError, LockingWarning, ResultFileError
 from supple.importers.toml import KeyPath
-from supple.integrate import Run
+from supple.integrate import Run, Solution
 from supple.machine import Controller, System
 from supple.quantities import Quantity
-from supple.reduction import ReducedBody
+from supple.reduction import ReducedBody, ReductionBasis, project
 from supple.reduction.projection import counted_damping
+from supple.simulation import simulate_batch
 from supple.storage.run_inputs import changes
 from supple.sweeps.body_numbers import PLACING
 from supple.sweeps.group_bodies import GroupBodies, bodies_of_group
 from supple.sweeps.plan import SweepPlan
 
-__all__ = ["SweptCase", "SweptGroup", "swept_group"]
+__all__ = ["SweptCase", "SweptGroup", "TrainingRuns", "swept_group"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +55,15 @@ class SweptCase:
     def quantities(self) -> tuple[Quantity, ...]:
         """All recorded quantities: sensors, joint forces, tracked points, energies."""
         return recorded_quantities(self.case, self.system)
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingRuns:
+    """Numbers, machines and solutions of the cases that ran to their end."""
+
+    numbers: Sequence[int]
+    cases: Sequence[SweptCase]
+    solutions: Sequence[Solution]
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +108,11 @@ class SweptGroup:
         return SweptCase(case, self._started(case))
 
     @property
+    def targets(self) -> dict[str, SelfCorrection]:
+        """Accuracies of the bodies with self-correction."""
+        return {name: start.target for name, start in self.fresh.starts.items()}
+
+    @property
     def requests_errors(self) -> bool:
         """Whether the case file requests basis errors."""
         return bool(self.fresh.starts) or self.like.study.basis
@@ -112,9 +130,38 @@ class SweptGroup:
         tables = {table.name: table for table in case.parts.body}
         return {name: self.bodies.damping(name, tables[name]) for name in self.bodies.reduced}
 
+    def projected(self, name: str, basis: ReductionBasis) -> ReducedBody:
+        """A self-correcting body of the representative case on another basis, which may lock."""
+        full = self.fulls(self.like)[name]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", LockingWarning)
+            quartic = self.fresh.starts[name].quartic
+            return project(full.body, basis, damping=full.damping, quartic=quartic)
+
     def in_full(self, case: Case, fulls: Mapping[str, FullBody]) -> System:
         """The machine of a case at the start of its run, with full bodies in place of some reduced bodies."""
         return self._started(case.varied(case.tables, {**self._made, **case.made, **fulls}))
+
+    def training_runs(self, numbers: Sequence[int]) -> TrainingRuns:
+        """Simulate cases of the group in one batch; cases that fail are left out.
+
+        The failure is recorded later, when the sweep runs the case. Raises CaseError if no machine can be
+        built; errors of `simulate_batch`.
+        """
+        known, made = list[int](), list[SweptCase]()
+        for number in numbers:
+            with suppress(CaseError, ConvergenceError):
+                made.append(self.case(number))
+                known.append(number)
+        if not made:
+            raise CaseError("no machine of the group can be built: check the values of the table")
+        found = simulate_batch([own.system for own in made], made[0].run, progress=silent)
+        ran = [place for place in range(len(made)) if place not in found.failures]
+        return TrainingRuns(
+            [known[place] for place in ran],
+            [made[place] for place in ran],
+            [found.solutions[place] for place in ran],
+        )
 
     def with_bodies(self, reduced: Mapping[str, ReducedBody]) -> SweptGroup:
         """The group with other reduced bodies."""
