@@ -112,22 +112,21 @@ CHANNEL_KINDS = tuple(each.name for each in fields(Channels))
 
 WORDS = ("cause", "no_estimate")
 """Data sets with a text for each case."""
-_NUMBERS = {
-    "cases": ("case", np.int64),
-    "status": ("status", np.int8),
-    "seconds": ("seconds", np.float64),
-    "end_time": ("end_time", np.float64),
-    "estimated_error": ("estimated_error", np.float64),
-    "basis_error": ("basis_error", np.float64),
-    "allowed_error": ("allowed_error", np.float64),
-    "steps": ("steps", np.int64),
-    "iterations": ("iterations", np.int64),
+NUMBERS = {
+    "status": np.int8,
+    "seconds": np.float64,
+    "end_time": np.float64,
+    "estimated_error": np.float64,
+    "basis_error": np.float64,
+    "allowed_error": np.float64,
+    "steps": np.int64,
+    "iterations": np.int64,
 }
-"""Data sets with a number for each case: field of `CaseRecord`, and type."""
+"""Data sets with a number for each case, and their types."""
 
 NAMES_OF_RESULTS = frozenset(
     {"case", "channel", "statistic", "statistics", "runs", "fatigue", "lifetime"}
-    | {*CHANNEL_KINDS[1:], *WORDS, *_NUMBERS} - {"cases"}
+    | {*CHANNEL_KINDS[1:], *WORDS, *NUMBERS}
 )
 """Names in the data set of a sweep besides those of the columns of its table."""
 
@@ -145,8 +144,9 @@ def write_part(path: Path, part: Part) -> None:
     with writing_sealed(path) as file:
         file.attrs.update({"format": FORMAT, "version": VERSION})
         _store_words(file, "statistic", part.statistic)
-        for name, (own, kind) in _NUMBERS.items():
-            file.create_dataset(name, data=np.array([getattr(each, own) for each in results], dtype=kind))
+        file.create_dataset("cases", data=np.array([each.case for each in results], dtype=np.int64))
+        for name, kind in NUMBERS.items():
+            file.create_dataset(name, data=np.array([getattr(each, name) for each in results], dtype=kind))
         for name in WORDS:
             _store_words(file, name, [getattr(each, name) for each in results])
         _store_words(file, "warnings", part.warnings)
@@ -179,18 +179,16 @@ def read_part(path: Path) -> Part:
                 "again"
             )
         channels = Channels(**{name: tuple(file[f"channels/{name}"].asstr()[()]) for name in CHANNEL_KINDS})
-        columns = {own: file[name][()] for name, (own, _) in _NUMBERS.items()}
+        columns = {name: file[name][()] for name in NUMBERS}
         words, statistics = {name: file[name].asstr()[()] for name in WORDS}, file["statistics"][()]
         results = []
-        for row, status in enumerate(columns["status"]):
-            known = {own: column[row].item() for own, column in columns.items()}
+        for row, case in enumerate(file["cases"][()].tolist()):
+            known = {name: column[row].item() for name, column in columns.items()}
             known |= {name: column[row] for name, column in words.items()}
-            known |= {"status": CaseStatus(status), "channels": channels}
-            ran = status == CaseStatus.RAN
-            motion = motion_in(file, known["case"])
-            results.append(
-                CaseRecord(**known, statistics=statistics[..., row] if ran else None, motion=motion)
-            )
+            known["status"] = status = CaseStatus(known["status"])
+            own = statistics[..., row] if status is CaseStatus.RAN else None
+            motion = motion_in(file, case)
+            results.append(CaseRecord(case, **known, statistics=own, channels=channels, motion=motion))
         warned, names = (tuple(file[name].asstr()[()]) for name in ("warnings", "statistic"))
         return Part(results, warned, names, file["spectrum"][()])
 

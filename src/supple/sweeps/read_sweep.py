@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,26 +17,22 @@ from supple.optional_packages import optional_package
 from supple.storage.sealed_hdf5 import open_sealed
 from supple.sweeps.case_table import CaseTable
 from supple.sweeps.fatigue_loads import DAMAGE, range_of, summed_spectra
-from supple.sweeps.part_file import CHANNEL_KINDS, WORDS, motion_in, part_path
+from supple.sweeps.part_file import CHANNEL_KINDS, NUMBERS, WORDS, motion_in, part_path
 from supple.sweeps.plan import SweepPlan, read_plan
-from supple.sweeps.sweep_shares import sweep_shares
+from supple.sweeps.sweep_shares import SweepShares, sweep_shares
 
 __all__ = ["SweepColumns", "read_sweep", "write_parquet"]
 
 Array = NDArray[np.float64]
 
-_OF_CASES = (
-    "seconds",
-    "end_time",
-    "estimated_error",
-    "basis_error",
-    "allowed_error",
-    "steps",
-    "iterations",
-)
-_MISSING = {"cause": "not run yet", "no_estimate": "", "status": -1, "steps": 0, "iterations": 0}
+_MISSING: Mapping[str, Any] = {
+    "cause": "not run yet",
+    "no_estimate": "",
+    "status": -1,
+    "steps": 0,
+    "iterations": 0,
+}
 """Values for cases that have not run, by name of the data set; other data sets have NaN"""
-_IN_CASE_UNITS = ("estimated_error", "basis_error", "allowed_error")
 
 
 class SweepColumns:
@@ -48,15 +48,13 @@ class SweepColumns:
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
         self.plan: SweepPlan = read_plan(self.folder)
-        known = sweep_shares(self.folder, self.plan)
-        self.shares = list(known.whole)
-        """Shares whose parts are complete; those of repeated runs follow those of the runs they replace"""
-        self._cases = {share: known.cases[share] for share in self.shares}
+        self.shares: SweepShares = sweep_shares(self.folder, self.plan)
+        self._cases = {share: self.shares.cases[share] for share in self.shares.whole}
+        """Cases of the complete parts; those of repeated runs follow those of the runs they replace"""
         self.runs = np.zeros(self.plan.n_cases, dtype=np.int64)
         """Number of runs of each case, (n,)"""
-        for share in self.shares:
-            self.runs[self._cases[share]] = known.level[share] + 1
-        self.channels = self._channels()
+        for share, cases in self._cases.items():
+            self.runs[cases] = self.shares.level[share] + 1
 
     @property
     def statistics(self) -> tuple[str, ...]:
@@ -68,18 +66,25 @@ class SweepColumns:
         """The parameters of the cases."""
         return self.plan.table
 
-    def statistic(self, statistic: int, channels: NDArray[np.intp] | slice | int = slice(None)) -> Array:
-        """Values (n, c) of a statistic for c channels, or (n,) for one channel, in all n cases."""
+    def _parts(self) -> Iterator[tuple[NDArray[np.int64], h5py.File]]:
+        """The cases of each complete part, and its file."""
+        for share, cases in self._cases.items():
+            with open_sealed(part_path(self.folder, share), verify=False) as file:
+                yield cases, file
+
+    def statistic(
+        self, statistic: int | str, channels: NDArray[np.intp] | slice | int = slice(None)
+    ) -> Array:
+        """Values (n, c) of a statistic, by number or name, for c channels, or (n,) for one; n cases."""
+        number = self.statistics.index(statistic) if isinstance(statistic, str) else statistic
         numbers = np.arange(len(self.channels["name"]))[channels]
         found = np.full((self.plan.n_cases, *numbers.shape), np.nan)
-        for share in self.shares:
-            with open_sealed(part_path(self.folder, share), verify=False) as file:
-                names = file["channels/name"].asstr()[()]
-                data = file["statistics"]
-                if len(names) == len(self.channels["name"]) and np.array_equal(names, self.channels["name"]):
-                    found[self._cases[share]] = data[statistic, channels].T
-                else:
-                    found[self._cases[share]] = self._by_name(data[statistic], list(names), numbers)
+        for cases, file in self._parts():
+            names, data = file["channels/name"].asstr()[()], file["statistics"]
+            if np.array_equal(names, self.channels["name"]):
+                found[cases] = data[number, channels].T
+            else:
+                found[cases] = self._by_name(data[number], list(names), numbers)
         return found
 
     def _by_name(self, data: Array, names: list[str], numbers: Any) -> Array:
@@ -95,11 +100,10 @@ class SweepColumns:
         """Rainflow spectrum of all cases, by channel: middle (b,) of each range class, and cycles (b,)."""
         places = {name: number for number, name in enumerate(self.channels["name"])}
         parts = []
-        for share in self.shares:
-            with open_sealed(part_path(self.folder, share), verify=False) as file:
-                rows, names = file["spectrum"][()], file["channels/name"].asstr()[()]
-                rows[:, 0] = [places[names[int(number)]] for number in rows[:, 0]]
-                parts.append(rows)
+        for _, file in self._parts():
+            rows, names = file["spectrum"][()], file["channels/name"].asstr()[()]
+            rows[:, 0] = [places[names[int(number)]] for number in rows[:, 0]]
+            parts.append(rows)
         rows = summed_spectra(parts)
         return {
             name: (range_of(own[:, 1]), own[:, 2])
@@ -123,7 +127,7 @@ class SweepColumns:
         life = fatigue.lifetime.of(self.table, np.where(whole, durations, 1.0))
         found = np.full((len(fatigue.statistics), len(self.channels["name"])), np.nan)
         for row, name in enumerate(fatigue.statistics):
-            values = self.statistic(self.statistics.index(name))
+            values = self.statistic(name)
             known = np.isfinite(values).all(axis=0) & whole.all()
             if name == DAMAGE:
                 found[row, known] = life.damage(values[:, known])
@@ -136,13 +140,19 @@ class SweepColumns:
 
     def of_cases(self, name: str) -> NDArray[Any]:
         """A number or a text of each case, (n,); `name` is that of the data set in a part."""
-        words = name in WORDS
-        missing: Any = _MISSING.get(name, np.nan)
-        found = np.full(self.plan.n_cases, missing, dtype=object if words else None)
-        for share in self.shares:
-            with open_sealed(part_path(self.folder, share), verify=False) as file:
-                found[self._cases[share]] = file[name].asstr()[()] if words else file[name][()]
-        return found
+        return self.all_of_cases(name)[0][name]
+
+    def all_of_cases(self, *names: str) -> tuple[dict[str, NDArray[Any]], Counter[str]]:
+        """Numbers or texts of each case, by name; number of parts with each warning."""
+        n = self.plan.n_cases
+        kinds = {name: object if name in WORDS else None for name in names}
+        found = {name: np.full(n, _MISSING.get(name, np.nan), kind) for name, kind in kinds.items()}
+        warned = Counter[str]()
+        for cases, file in self._parts():
+            warned.update(file["warnings"].asstr()[()])
+            for name, own in found.items():
+                own[cases] = file[name].asstr()[()] if name in WORDS else file[name][()]
+        return found, warned
 
     def motion(self, case: int) -> dict[str, Array]:
         """Stored motion of a case: arrays by path (`supple.storage.solution_arrays`), and channels (t, c).
@@ -150,8 +160,8 @@ class SweepColumns:
         Raises ResultFileError if the motion of the case was not stored.
         """
         found: dict[str, Array] = {}
-        for share in self.shares:
-            if case in self._cases[share]:
+        for share, cases in self._cases.items():
+            if case in cases:
                 with open_sealed(part_path(self.folder, share), verify=False) as file:
                     found = motion_in(file, case)
         if not found:
@@ -161,17 +171,14 @@ class SweepColumns:
             )
         return found
 
-    def _channels(self) -> dict[str, NDArray[Any]]:
+    @cached_property
+    def channels(self) -> dict[str, NDArray[Any]]:
         """Name, unit and other descriptions of the channels of all parts, in order of first appearance."""
         rows: dict[str, tuple[str, ...]] = {}
-        for share in self.shares:
-            with open_sealed(part_path(self.folder, share), verify=False) as file:
-                names = file["channels/name"].asstr()[()]
-                if all(name in rows for name in names):
-                    continue
-                for row in zip(
-                    *(file[f"channels/{kind}"].asstr()[()] for kind in CHANNEL_KINDS), strict=True
-                ):
+        for _, file in self._parts():
+            if not all(name in rows for name in file["channels/name"].asstr()[()]):
+                kinds = (file[f"channels/{kind}"].asstr()[()] for kind in CHANNEL_KINDS)
+                for row in zip(*kinds, strict=True):
                     rows.setdefault(row[0], row)
         return {
             kind: np.array([row[i] for row in rows.values()], dtype=object)
@@ -202,36 +209,26 @@ def read_sweep(folder: Path | str) -> Any:
     columns = SweepColumns(folder)
     time = {"units": columns.plan.units.time} if columns.plan.units.time else {}
     lazy = xarray.core.indexing.LazilyIndexedArray(_lazy_statistics(columns))
-    variables: dict[str, Any] = {
-        "statistics": (("case", "channel", "statistic"), lazy),
-        "status": (
-            "case",
-            columns.of_cases("status"),
-            {"meaning": "0 ran, 1 failed, 2 killed, -1 not run yet"},
-        ),
-        **{name: ("case", columns.of_cases(name)) for name in WORDS},
-    }
     length = {"units": columns.plan.units.length} if columns.plan.units.length else {}
-    units = {"seconds": {"units": "s", "of": "processor"}, "end_time": time}
-    units |= dict.fromkeys(_IN_CASE_UNITS, length)
-    for name in _OF_CASES:
-        own = units.get(name, {})
-        variables[name] = ("case", columns.of_cases(name), own)
-    variables["runs"] = (
-        "case",
-        columns.runs,
-        {"meaning": "number of runs; each repeated run has enriched bases"},
-    )
+    about = {
+        "status": {"meaning": "0 ran, 1 failed, 2 killed, -1 not run yet"},
+        "seconds": {"units": "s", "of": "processor"},
+        "end_time": time,
+        **dict.fromkeys(("estimated_error", "basis_error", "allowed_error"), length),
+        "runs": {"meaning": "number of runs; each repeated run has enriched bases"},
+    }
+    of_cases, _ = columns.all_of_cases(*dict.fromkeys(("status", *WORDS, *NUMBERS)))
+    of_cases["runs"] = columns.runs
+    variables: dict[str, Any] = {"statistics": (("case", "channel", "statistic"), lazy)}
+    variables |= {name: ("case", values, about.get(name, {})) for name, values in of_cases.items()}
     coordinates: dict[str, Any] = {
         "case": np.arange(columns.plan.n_cases),
         "statistic": list(columns.statistics),
+        "channel": columns.channels["name"],
+        **{kind: ("channel", columns.channels[kind]) for kind in CHANNEL_KINDS[1:]},
+        **{path: ("case", _as_array(column)) for path, column in columns.table.columns.items()},
     }
-    coordinates["channel"] = columns.channels["name"]
-    for kind in CHANNEL_KINDS[1:]:
-        coordinates[kind] = ("channel", columns.channels[kind])
-    for path, column in columns.table.columns.items():
-        coordinates[path] = ("case", _as_array(column))
-    title = {"case_file": str(columns.plan.case_file), "missing": int((variables["status"][1] < 0).sum())}
+    title = {"case_file": str(columns.plan.case_file), "missing": int((of_cases["status"] < 0).sum())}
     if columns.plan.output.seeds:
         title["seeds"] = list(columns.plan.output.seeds)
     fatigue = columns.plan.output.fatigue

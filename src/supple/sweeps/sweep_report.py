@@ -72,13 +72,13 @@ def sweep_extremes(folder: Path | str) -> list[Extreme]:
 
 
 def _extremes(columns: SweepColumns) -> Iterator[Extreme]:
-    names, statistics = list(columns.channels["name"]), columns.statistics
-    values = {each: columns.statistic(statistics.index(each)) for each in ("minimum", "maximum")}
+    names = list(columns.channels["name"])
+    values = {each: columns.statistic(each) for each in ("minimum", "maximum")}
     low = np.where(np.isnan(values["minimum"]), np.inf, values["minimum"]).argmin(axis=0)
     high = np.where(np.isnan(values["maximum"]), -np.inf, values["maximum"]).argmax(axis=0)
     moves = _moves(columns.channels["unit"], values["minimum"], values["maximum"])
     for statistic, cases in (("minimum", low), ("maximum", high)):
-        instants = columns.statistic(statistics.index(f"time of {statistic}"))
+        instants = columns.statistic(f"time of {statistic}")
         for place in np.flatnonzero(moves).tolist():
             case = int(cases[place])
             value = float(values[statistic][case, place])
@@ -172,7 +172,7 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
     names = [*_FIRST, *(name for name in columns.statistics if name not in _FIRST)]
     n_channels = channels_that_fit(plan.n_cases, len(results) + len(plan.table.columns), len(names))
     kept = slice(0, n_channels)
-    numbers = {name: columns.statistic(columns.statistics.index(name), kept) for name in names}
+    numbers = {name: columns.statistic(name, kept) for name in names}
     moves = _moves(columns.channels["unit"][kept], numbers["minimum"], numbers["maximum"])
     channels = [
         ChannelOfCases(name, unit, _of_channel(numbers, place), bool(moves[place]))
@@ -228,7 +228,7 @@ def _page_of_conditions(columns: SweepColumns) -> SweepPage:
     kept = slice(0, n_channels)
     by_channel: list[dict[str, Array]] = [{} for _ in columns.channels["name"][kept]]
     for name in names:
-        found = over_conditions(columns.statistic(columns.statistics.index(name), kept), numbers)
+        found = over_conditions(columns.statistic(name, kept), numbers)
         worst = found.minimum if name == "minimum" else found.maximum
         parts = {"mean": found.mean, "deviation": found.deviation, "extreme": worst}
         for place, own in enumerate(by_channel):

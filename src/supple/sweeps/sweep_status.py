@@ -11,18 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.storage.sealed_hdf5 import open_sealed
 from supple.sweeps.attempts import Attempts
-from supple.sweeps.part_file import CaseStatus, part_path
-from supple.sweeps.plan import read_plan
-from supple.sweeps.sweep_shares import sweep_shares
+from supple.sweeps.part_file import CaseStatus
+from supple.sweeps.read_sweep import SweepColumns
 from supple.units import with_unit
 
 __all__ = ["CaseErrors", "FailedCase", "SweepStatus", "case_errors", "sweep_status"]
 
 Array = NDArray[np.float64]
-
-_ERRORS = ("estimated_error", "allowed_error")
 
 
 @dataclass(frozen=True)
@@ -96,37 +92,23 @@ class SweepStatus:
 def sweep_status(folder: Path | str) -> SweepStatus:
     """The progress of the sweep in a folder; ResultFileError if there is none."""
     folder = Path(folder)
-    plan = read_plan(folder)
-    shares = sweep_shares(folder, plan)
-    states = np.full(plan.n_cases, -1)
-    errors = {name: np.full(plan.n_cases, np.nan) for name in _ERRORS}
-    causes, warned = dict[int, str](), Counter[str]()
-    reasons = np.full(plan.n_cases, "", dtype=object)
-    for share in shares.whole:
-        with open_sealed(part_path(folder, share), verify=False) as file:
-            cases, own = file["cases"][()], file["status"][()]
-            states[cases] = own
-            warned.update(file["warnings"].asstr()[()])
-            reasons[cases] = file["no_estimate"].asstr()[()]
-            for name, own_errors in errors.items():
-                own_errors[cases] = file[name][()]
-            if (own != CaseStatus.RAN).any():
-                causes |= dict(zip(cases.tolist(), file["cause"].asstr()[()], strict=True))
+    columns = SweepColumns(folder)
+    shares = columns.shares
+    own, warned = columns.all_of_cases("status", "cause", "no_estimate", "estimated_error", "allowed_error")
     failed = tuple(
-        FailedCase(case, CaseStatus(states[case]), causes[case])
-        for case in np.flatnonzero(states > 0).tolist()
+        FailedCase(case, CaseStatus(own["status"][case]), own["cause"][case])
+        for case in np.flatnonzero(own["status"] > 0).tolist()
     )
-    begun = tuple(share for share in shares.missing if Attempts(folder, share).marks)
     return SweepStatus(
-        plan.n_cases,
+        columns.plan.n_cases,
         len(shares.cases),
-        int((states == CaseStatus.RAN).sum()),
+        int((own["status"] == CaseStatus.RAN).sum()),
         len(shares.run_again),
         tuple(shares.missing),
-        begun,
+        tuple(share for share in shares.missing if Attempts(folder, share).marks),
         failed,
         tuple(warned.items()),
-        case_errors(errors["estimated_error"], errors["allowed_error"], reasons),
+        case_errors(own["estimated_error"], own["allowed_error"], own["no_estimate"]),
     )
 
 
