@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
-from supple.storage import write_json, write_solution
-from supple.terminal import bar, progress_bars
-from supple_benchmarks.printed import print_files, print_tables
+from supple.storage import write_solution
+from supple_benchmarks.growing_report import keep_report
+from supple_benchmarks.progress import Announce
 from supple_benchmarks.rotating_beam.figures import animation, draw_figures
 from supple_benchmarks.rotating_beam.problem import RotatingBeam
 from supple_benchmarks.rotating_beam.report import report, tables
@@ -18,22 +19,21 @@ __all__ = ["perform"]
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
     """Run the benchmark; the report is rewritten after every simulation, so that none is lost."""
     problem = RotatingBeam.quick() if quick else RotatingBeam()
-    target = json or folder / "rotating-beam.json"
-    target.parent.mkdir(parents=True, exist_ok=True)
-    run: BeamRun | None = None
-    with progress_bars() as bars:
-        for run in run_rotating_beam(problem, lambda label: bar(bars, label)):
-            write_json(target, report(run))
-            _store_latest(run, folder)
-        if run is None:
-            return
+    motions = folder / "motions"
+
+    def runs(started: Announce) -> Iterator[BeamRun]:
+        for run in run_rotating_beam(problem, started):
+            _store_latest(run, motions)
+            yield run
+
+    def draw(run: BeamRun, started: Announce) -> list[Path]:
         pictures = draw_figures(run, folder)
-        pictures.append(animation(run, folder / "beam.gif", bar(bars, "animation of the beam")))
-    print_tables(tables(run))
-    print_files(target, pictures, motions=folder / "motions")
+        return [*pictures, animation(run, folder / "beam.gif", started("animation of the beam"))]
+
+    keep_report(json or folder / "rotating-beam.json", runs, tables, draw, report=report, motions=motions)
 
 
-def _store_latest(run: BeamRun, folder: Path) -> None:
+def _store_latest(run: BeamRun, motions: Path) -> None:
     """Store the motion computed last: the last reduced one, or a full one not yet reduced."""
     full = run.full[-1]
     reduced = [one for one in run.reduced if one.full is full]
@@ -43,6 +43,5 @@ def _store_latest(run: BeamRun, folder: Path) -> None:
         latest = reduced[-1]
         label += f"_{latest.n_linear}+{latest.n_added}_{latest.derivatives}"
         solution = latest.solution
-    motions = folder / "motions"
     motions.mkdir(parents=True, exist_ok=True)
     write_solution(motions / f"{label}.h5", solution, case=f"rotating beam {label}")

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from supple.storage import write_json
-from supple_benchmarks.growing_report import StudyBar, keep_report
+from supple_benchmarks.growing_report import keep_report
+from supple_benchmarks.progress import Announce
 from supple_benchmarks.sweep.run import run_benchmark
 from supple_benchmarks.table import Table, cell
 
@@ -18,7 +19,7 @@ def perform(quick: bool, json: Path | None, folder: Path) -> None:
     """Run the benchmark; write its report to the folder or a named file, and details to `details.json`."""
     details: dict[str, Any] = {}
 
-    def contract(started: StudyBar) -> Iterator[dict[str, Any]]:
+    def contract(started: Announce) -> Iterator[dict[str, Any]]:
         for report, found in run_benchmark(quick, folder, started):
             details.update(found)
             write_json(folder / "details.json", details)

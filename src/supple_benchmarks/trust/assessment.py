@@ -33,7 +33,7 @@ from supple.quantities import WholeBody
 from supple.quantities.quantity_of_interest import quantity_distance
 from supple.results import motion_error
 from supple.simulation import simulate
-from supple_benchmarks.trust.trust_case import TrustCase
+from supple_benchmarks.trust.trust_case import TrustCase, file_name
 
 __all__ = ["assess"]
 
@@ -156,7 +156,7 @@ class _FullRuns:
     def __init__(self, case: TrustCase, system: System, folder: Path) -> None:
         self.case = case
         self._system = system
-        self._folder = folder / case.file_name
+        self._folder = folder / file_name(case.name)
         self._known: dict[str, Solution] = {}
 
     def at(self, run: Run) -> Solution:

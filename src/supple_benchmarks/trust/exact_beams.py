@@ -7,7 +7,6 @@ mesh error, which is negligible.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 from supple.body import Frame, FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
 from supple.error import ErrorStudy, state_errors
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.integrate import PARTS, FixedStep, Run, Solution
+from supple.integrate import PARTS, FixedStep, Run
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, Table
 from supple.mesh import strip
 from supple.quantities import PositionSensor
@@ -51,11 +50,6 @@ class ExactBeamCase:
     exact: Callable[[], Array]
     """Positions of the tip (t, 3) at the output times"""
 
-    @property
-    def file_name(self) -> str:
-        """Name of the file of its record."""
-        return re.sub(r"\W+", "-", self.name)
-
 
 def assess_by_exact_beam(case: ExactBeamCase, progress: Progress) -> dict[str, Any]:
     """Estimated error of the tip of a body of fixed size, and its distance from the exact beam's tip."""
@@ -69,7 +63,7 @@ def assess_by_exact_beam(case: ExactBeamCase, progress: Progress) -> dict[str, A
     )
     progress(0.6)
     stated = solution.errors[tip.name]
-    apart = _places(tip, system, solution) - case.exact()
+    apart = tip.values(system, solution) - case.exact()
     progress(1.0)
     return {
         "name": case.name,
@@ -79,10 +73,6 @@ def assess_by_exact_beam(case: ExactBeamCase, progress: Progress) -> dict[str, A
         "stated_total": stated.total,
         "true_total": float(np.linalg.norm(apart, axis=1).max()),
     }
-
-
-def _places(tip: PositionSensor, system: System, solution: Solution) -> Array:
-    return tip.values(system, solution)
 
 
 LENGTH, WIDTH, THICKNESS = 1.0, 0.1, 0.01

@@ -16,7 +16,12 @@ from supple.reduction import (
     LinearBasisRecipe,
 )
 
-__all__ = ["TrustCase"]
+__all__ = ["TrustCase", "file_name"]
+
+
+def file_name(name: str) -> str:
+    """Name of the files of the record and the full runs of a case."""
+    return re.sub(r"\W+", "-", name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +43,6 @@ class TrustCase:
     basis: LinearBasisRecipe = field(default_factory=lambda: CraigBampton(n_modes=5))
     derivatives: DerivativeChoice = field(default_factory=lambda: CompressedDerivatives(5))
     step: StepControl | None = None
-
-    @property
-    def file_name(self) -> str:
-        """Name of the files of its record and its full runs."""
-        return re.sub(r"\W+", "-", self.name)
 
     @property
     def run(self) -> Run:
