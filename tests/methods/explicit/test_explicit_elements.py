@@ -14,8 +14,8 @@ from supple.integrate import Run
 from supple.machine import System
 from supple.mesh import CellType, block
 from supple.methods.explicit import ExplicitEngine
+from supple.methods.explicit.elements import ElementInstant
 from supple.methods.explicit.explicit_subdomain import explicit_subdomain
-from supple.methods.explicit.march.element_block import ElementInstant
 from supple.methods.explicit.march.nodal_forces import explicit_forces
 from supple.methods.explicit.materials import J2Plasticity, LinearHardening, NeoHookean, StVenantKirchhoff
 

@@ -23,9 +23,9 @@ from supple.methods.explicit.elements import (
     SolidPoints,
     bulk_arrays,
     element_limits,
+    hourglass_stiffness,
     solid_points,
 )
-from supple.methods.explicit.elements.solid_block import hourglass_stiffness
 from supple.methods.explicit.materials import Law, StVenantKirchhoff
 
 __all__ = ["ExplicitSubdomain", "explicit_subdomain"]

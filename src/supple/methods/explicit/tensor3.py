@@ -18,6 +18,7 @@ __all__ = [
     "as_array",
     "cofactor",
     "determinant",
+    "deviator",
     "double_dot",
     "product",
     "scaled",
@@ -57,6 +58,12 @@ def product(a: Tensor, b: Tensor) -> Tensor:
 def symmetric_part(a: Tensor) -> Tensor:
     """(a + a^T) / 2."""
     return tensor(lambda i, j: a[i][i] if i == j else 0.5 * (a[i][j] + a[j][i]))
+
+
+def deviator(a: Tensor) -> tuple[Array, Tensor]:
+    """Mean of the diagonal, and a without it."""
+    mean = (a[0][0] + a[1][1] + a[2][2]) / 3
+    return mean, tensor(lambda i, j: a[i][j] - mean if i == j else a[i][j])
 
 
 def double_dot(a: Tensor, b: Tensor) -> Array:

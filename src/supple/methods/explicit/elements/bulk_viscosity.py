@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from supple.arguments import check_fields
 from supple.errors import ModelError
 from supple.fem import Isotropic
-from supple.methods.explicit.elements.mean_gradient import SolidPoints
+from supple.methods.explicit.elements.solid_points import SolidPoints
 from supple.methods.explicit.tensor3 import Tensor, cofactor, determinant
 
 __all__ = ["BulkArrays", "BulkViscosity", "bulk_arrays"]

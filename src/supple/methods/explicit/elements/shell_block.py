@@ -20,32 +20,22 @@ Source of the corotational form: T. Belytschko, B. J. Hsieh, Int. J. Numer. Meth
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
-from numpy.typing import NDArray
 
-from supple.methods.explicit.elements.incidence import gathered, incidence
+from supple.methods.explicit.elements.element_block import BlockState, ElementInstant, Forces, with_contact
+from supple.methods.explicit.elements.incidence import gathered
 from supple.methods.explicit.materials.j2_plasticity import J2Plasticity
-from supple.methods.explicit.materials.plane_stress import LayerState, elastic_state, mises_of, plane_stress
+from supple.methods.explicit.materials.plane_stress import elastic_state, mises_of, plane_stress
 
-__all__ = [
-    "LayerArrays",
-    "ShellBlock",
-    "layered_force",
-    "layered_von_mises",
-    "rest_layers",
-    "shell_block",
-    "shell_force",
-    "shell_von_mises",
-    "triangle_stretch",
-]
+__all__ = ["LayerArrays", "ShellBlock", "triangle_axes"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+_COLLAPSED = 0.05
+"""Smallest stretch that shortens the step: a collapsed triangle would need endless steps."""
 
 
 class LayerArrays(NamedTuple):
@@ -64,7 +54,9 @@ class LayerArrays(NamedTuple):
     weights: Array
 
 
-class ShellBlock(NamedTuple):
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class ShellBlock:
     """Constant arrays of E triangles, elements last.
 
     nodes, spins : (3, E)       numbers of nodes and of triads
@@ -72,7 +64,8 @@ class ShellBlock(NamedTuple):
     stiffness : (18, 18, E)     ux uy uz rx ry rz of each node, axes of space at rest
     to_stress : (l, 6, 18, E)   stress in l layers from d, Pa
     node_table, spin_table      element corners at each node and triad, see `incidence`
-    layers : LayerArrays        None for a block that does not yield
+    limit : (E,)                step limits at rest, s
+    layers : LayerArrays        None for a block that does not yield, as the law
     """
 
     nodes: Array
@@ -83,105 +76,96 @@ class ShellBlock(NamedTuple):
     to_stress: Array
     node_table: Array
     spin_table: Array
-    layers: LayerArrays | None = None
+    limit: Array
+    layers: LayerArrays | None
+    law: J2Plasticity | None = field(metadata={"static": True})
+    deletion: float = field(metadata={"static": True})
 
+    beta: ClassVar[None] = None
 
-class ShellForce(NamedTuple):
-    """Force (3, N) on the nodes and moment (3, r) on the triads: the negative internal force and moment."""
+    def start(self) -> BlockState:
+        """Undeformed state."""
+        n, own = self.nodes.shape[1], self.layers
+        state = None if own is None else elastic_state((len(own.bending), len(own.heights), n))
+        return BlockState(state, None, jnp.ones(n))
 
-    force: Array
-    moment: Array
+    def force(self, at: ElementInstant, state: BlockState) -> Forces:
+        """Force and moment; elements that reach the deletion strain are then deleted."""
+        corners, turned = at.x[:, self.nodes], at.triads[:, :, self.spins]
+        d, pulled_back = jax.vjp(
+            lambda here, turn: self._deformation(here, turned + jnp.cross(turn[:, None], turned, axis=0)),
+            corners,
+            jnp.zeros_like(corners),
+        )
+        if self.law is None or self.layers is None:
+            on_d, plastic = jnp.einsum("abe,be->ae", self.stiffness, d), None
+        else:
+            on_d, plastic, state = self._layered_force(self.law, self.layers, d, state)
+        on_nodes, on_triads = pulled_back(on_d)
+        return Forces(
+            gathered(-on_nodes, self.node_table),
+            state,
+            moment=gathered(-on_triads, self.spin_table),
+            plastic=plastic,
+        )
 
+    def _layered_force(
+        self, law: J2Plasticity, own: LayerArrays, d: Array, state: BlockState
+    ) -> tuple[Array, Array, BlockState]:
+        """Force f_d (18, E), plastic work of the step, J, and the new state."""
+        stress, layers, work = plane_stress(law, _layer_strain(own, d), state.material)
+        volumes = (state.alive * own.area / len(own.bending)) * own.weights[:, None]  # (l, E) of each point
+        forces = (volumes * stress).sum(axis=2)  # (3, p, E)
+        moments = (volumes * own.heights[:, None] * stress).sum(axis=2)
+        on_d = (own.membrane * forces.sum(axis=1)[:, None]).sum(axis=0)
+        on_d = on_d + (own.bending * moments.swapaxes(0, 1)[:, :, None]).sum(axis=(0, 1))
+        on_d = on_d + state.alive * (own.drilling * d).sum(axis=1)
+        alive = state.alive
+        if self.deletion != float("inf"):
+            alive = alive * (layers.strain.max(axis=(0, 1)) < self.deletion)
+        return on_d, jnp.sum(volumes * work), BlockState(layers, None, alive)
 
-class LayeredForce(NamedTuple):
-    """Force and moment as in `ShellForce`, state of the layers, and plastic work of the step, J."""
+    def longest_step(self, x: Array, _v: Array, alive: Array, contact_rate: Array) -> Array:
+        """Step limit of the remaining triangles in their present state, s, with all contacts closed.
 
-    force: Array
-    moment: Array
-    state: LayerState
-    plastic: Array
+        Bending stiffness acts through the rotation of a triangle by the motion of its corners, which is
+        inversely proportional to its height.
+        """
+        longest = with_contact(self.limit * jnp.clip(self.stretch(x), _COLLAPSED, 1.0), contact_rate)
+        return jnp.min(jnp.where(alive > 0, longest, jnp.inf))
 
+    def recorded(self, x: Array, triads: Array, state: BlockState) -> tuple[Array, Array]:
+        """Plastic strain and von Mises stress, Pa, (E,) at the worst point and layer of each element."""
+        d = self._deformation(x[:, self.nodes], triads[:, :, self.spins])
+        if self.law is None or self.layers is None:
+            xx, yy, zz, yz, xz, xy = jnp.moveaxis(jnp.einsum("lcae,ae->lce", self.to_stress, d), 1, 0)
+            normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+            mises = jnp.sqrt(0.5 * normal + 3 * (yz**2 + xz**2 + xy**2)).max(axis=0)
+            return jnp.zeros_like(state.alive), mises
+        stress, _, _ = plane_stress(self.law, _layer_strain(self.layers, d), state.material)
+        return state.material.strain.max(axis=(0, 1)), state.alive * mises_of(stress).max(axis=(0, 1))
 
-def shell_block(
-    nodes: IntArray,
-    spins: IntArray,
-    corners: FloatArray,
-    stiffness: FloatArray,
-    to_stress: FloatArray,
-    n_nodes: int,
-    n_spins: int,
-    layers: LayerArrays | None = None,
-) -> ShellBlock:
-    """Block from arrays with elements first: nodes, spins (E, 3) and corners at rest (E, 3, 3)."""
-    about = corners - corners.mean(axis=1, keepdims=True)
-    axes = np.asarray(_axes(jnp.asarray(corners.transpose(2, 1, 0))))
-    return ShellBlock(
-        jnp.asarray(nodes.T),
-        jnp.asarray(spins.T),
-        jnp.asarray(about.transpose(2, 1, 0)),
-        jnp.asarray(axes),
-        jnp.asarray(stiffness.transpose(1, 2, 0)),
-        jnp.asarray(to_stress.transpose(1, 2, 3, 0)),
-        jnp.asarray(incidence(nodes.T, n_nodes)),
-        jnp.asarray(incidence(spins.T, n_spins)),
-        layers,
-    )
+    def stretch(self, x: Array) -> Array:
+        """Smallest stretch (E,) in the plane of each triangle, at positions x (3, N)."""
+        (aa, ab, bb), now = _metric(self.rest), _metric(x[:, self.nodes])
+        # Cauchy-Green tensor in axes along the first side at rest and across it.
+        share, across = ab / aa, bb - ab**2 / aa
+        along = now[0] / aa
+        mixed = (now[1] - share * now[0]) / jnp.sqrt(aa * across)
+        other = (now[2] - 2 * share * now[1] + share**2 * now[0]) / across
+        smallest = 0.5 * (along + other) - jnp.sqrt(0.25 * (along - other) ** 2 + mixed**2)
+        return jnp.sqrt(jnp.maximum(smallest, 0.0))
 
-
-def shell_force(block: ShellBlock, x: Array, triads: Array) -> ShellForce:
-    """Forces at positions x (3, N) and triads (3, 3, r)."""
-    corners, turned = x[:, block.nodes], triads[:, :, block.spins]
-
-    def energy(corners: Array, turn: Array) -> Array:
-        d = _deformation(block, corners, turned + _crossed(turn, turned))
-        return 0.5 * jnp.sum(d * jnp.einsum("abe,be->ae", block.stiffness, d))
-
-    on_nodes, on_triads = jax.grad(energy, argnums=(0, 1))(corners, jnp.zeros_like(corners))
-    return ShellForce(gathered(-on_nodes, block.node_table), gathered(-on_triads, block.spin_table))
-
-
-def rest_layers(block: ShellBlock) -> LayerState:
-    """State without plastic strain at any point of any layer, (p, l, E)."""
-    assert block.layers is not None
-    return elastic_state((len(block.layers.bending), len(block.layers.heights), block.nodes.shape[1]))
-
-
-def layered_force(
-    law: J2Plasticity, block: ShellBlock, x: Array, triads: Array, state: LayerState, alive: Array
-) -> LayeredForce:
-    """Forces at positions x (3, N) and triads (3, 3, r); alive (E,) 1, or 0 for deleted elements."""
-    own = block.layers
-    assert own is not None
-    corners, turned = x[:, block.nodes], triads[:, :, block.spins]
-    d, pulled_back = jax.vjp(
-        lambda at, turn: _deformation(block, at, turned + _crossed(turn, turned)),
-        corners,
-        jnp.zeros_like(corners),
-    )
-    stress, state, work = plane_stress(law, _layer_strain(own, d), state)
-    volumes = (alive * own.area / len(own.bending)) * own.weights[:, None]  # (l, E) of each point
-    forces = (volumes * stress).sum(axis=2)  # (3, p, E)
-    moments = (volumes * own.heights[:, None] * stress).sum(axis=2)
-    on_d = (own.membrane * forces.sum(axis=1)[:, None]).sum(axis=0)
-    on_d = on_d + (own.bending * moments.swapaxes(0, 1)[:, :, None]).sum(axis=(0, 1))
-    on_d = on_d + alive * (own.drilling * d).sum(axis=1)
-    on_nodes, on_triads = pulled_back(on_d)
-    return LayeredForce(
-        gathered(-on_nodes, block.node_table),
-        gathered(-on_triads, block.spin_table),
-        state,
-        jnp.sum(volumes * work),
-    )
-
-
-def layered_von_mises(
-    law: J2Plasticity, block: ShellBlock, x: Array, triads: Array, state: LayerState
-) -> Array:
-    """Von Mises stress (E,), Pa, the largest of all points and layers."""
-    assert block.layers is not None
-    d = _deformation(block, x[:, block.nodes], triads[:, :, block.spins])
-    stress, _, _ = plane_stress(law, _layer_strain(block.layers, d), state)
-    return mises_of(stress).max(axis=(0, 1))
+    def _deformation(self, corners: Array, turned: Array) -> Array:
+        """Displacements and rotations (18, E) relative to the element's frame, in axes of space at rest."""
+        back = jnp.einsum("rie,rje->ije", self.axes, triangle_axes(corners))
+        about = corners - corners.mean(axis=1, keepdims=True)
+        moved = jnp.einsum("ije,jke->ike", back, about) - self.rest
+        turn = jnp.einsum("ije,jmke->imke", back, turned)
+        sine = 0.5 * jnp.stack([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+        square = (sine * sine).sum(axis=0)
+        angle = sine * (1 + square / 6 + 3 * square**2 / 40)
+        return jnp.concatenate([moved, angle]).swapaxes(0, 1).reshape(18, -1)
 
 
 def _layer_strain(own: LayerArrays, d: Array) -> Array:
@@ -191,52 +175,16 @@ def _layer_strain(own: LayerArrays, d: Array) -> Array:
     return stretch[:, None, None] + own.heights[:, None] * curved[:, :, None]
 
 
-def shell_von_mises(block: ShellBlock, x: Array, triads: Array) -> Array:
-    """Von Mises stress (E,), the largest of the layers, Pa."""
-    d = _deformation(block, x[:, block.nodes], triads[:, :, block.spins])
-    xx, yy, zz, yz, xz, xy = jnp.moveaxis(jnp.einsum("lcae,ae->lce", block.to_stress, d), 1, 0)
-    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-    return jnp.sqrt(0.5 * normal + 3 * (yz**2 + xz**2 + xy**2)).max(axis=0)
-
-
-def triangle_stretch(block: ShellBlock, x: Array) -> Array:
-    """Smallest stretch (E,) in the plane of each triangle, at positions x (3, N)."""
-    (aa, ab, bb), now = _metric(block.rest), _metric(x[:, block.nodes])
-    # Cauchy-Green tensor in axes along the first side at rest and across it.
-    share, across = ab / aa, bb - ab**2 / aa
-    along = now[0] / aa
-    mixed = (now[1] - share * now[0]) / jnp.sqrt(aa * across)
-    other = (now[2] - 2 * share * now[1] + share**2 * now[0]) / across
-    smallest = 0.5 * (along + other) - jnp.sqrt(0.25 * (along - other) ** 2 + mixed**2)
-    return jnp.sqrt(jnp.maximum(smallest, 0.0))
-
-
 def _metric(corners: Array) -> tuple[Array, Array, Array]:
     """Scalar products a.a, a.b, b.b of two sides of triangles (3, 3, E)."""
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     return (a * a).sum(axis=0), (a * b).sum(axis=0), (b * b).sum(axis=0)
 
 
-def _axes(corners: Array) -> Array:
+def triangle_axes(corners: Array) -> Array:
     """Axes (3, 3, E), in rows, of triangles (3, 3, E): first side, across, normal."""
     side, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     first = side / jnp.sqrt((side * side).sum(axis=0))
     normal = jnp.cross(side, other, axis=0)
     normal = normal / jnp.sqrt((normal * normal).sum(axis=0))
     return jnp.stack([first, jnp.cross(normal, first, axis=0), normal])
-
-
-def _deformation(block: ShellBlock, corners: Array, turned: Array) -> Array:
-    """Displacements and rotations (18, E) relative to the element's frame, in the axes of space at rest."""
-    back = jnp.einsum("rie,rje->ije", block.axes, _axes(corners))
-    moved = jnp.einsum("ije,jke->ike", back, corners - corners.mean(axis=1, keepdims=True)) - block.rest
-    turn = jnp.einsum("ije,jmke->imke", back, turned)
-    sine = 0.5 * jnp.stack([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    square = (sine * sine).sum(axis=0)
-    angle = sine * (1 + square / 6 + 3 * square**2 / 40)
-    return jnp.concatenate([moved, angle]).swapaxes(0, 1).reshape(18, -1)
-
-
-def _crossed(turn: Array, triads: Array) -> Array:
-    """Vector product of the rotation `turn` (3, k, E) and each column of the triads (3, 3, k, E)."""
-    return jnp.cross(turn[:, None], triads, axis=0)

@@ -2,30 +2,43 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field
 
+import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
-from supple.fem import Isotropic
-from supple.methods.explicit.elements.bulk_viscosity import BulkArrays, bulk_pressure
-from supple.methods.explicit.elements.incidence import gathered, incidence
-from supple.methods.explicit.elements.mean_gradient import SolidPoints
+from supple.methods.explicit.elements.bulk_viscosity import BulkArrays, bulk_pressure, bulk_share
+from supple.methods.explicit.elements.element_block import BlockState, ElementInstant, Forces, with_contact
+from supple.methods.explicit.elements.incidence import gathered
 from supple.methods.explicit.fusion_barrier import fusion_barrier
 from supple.methods.explicit.materials.law import Law, viscous_stress
-from supple.methods.explicit.tensor3 import Tensor, as_array, cofactor, tensor
+from supple.methods.explicit.tensor3 import (
+    Tensor,
+    as_array,
+    cofactor,
+    deviator,
+    double_dot,
+    product,
+    scaled,
+    tensor,
+    transposed,
+)
 
-__all__ = ["BlockForce", "SolidBlock", "block_force", "solid_block"]
+__all__ = ["SolidBlock"]
 
 
-class SolidBlock(NamedTuple):
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class SolidBlock:
     """Constant arrays; elements are the last axis, so that a law compiles to one loop over them.
 
     nodes : (k, E);   gradients : (k, 3, g, E);   volumes : (g, E)
     gamma : (4 or 0, k, E);   hourglass : (E,) kappa, N/m
     table : (m, N)          element corners at each node, see `incidence`
     bulk : BulkArrays       None without bulk viscosity
+    limit : (E,) stable steps at rest, s, without damping or viscosity
+    beta : stiffness damping, s; None omits its operations
     """
 
     nodes: Array
@@ -34,126 +47,101 @@ class SolidBlock(NamedTuple):
     gamma: Array
     hourglass: Array
     table: Array
-    bulk: BulkArrays | None = None
+    bulk: BulkArrays | None
+    limit: Array
+    beta: Array | None
+    law: Law = field(metadata={"static": True})
+    deletion: float = field(metadata={"static": True})
 
+    def start(self) -> BlockState:
+        """Undeformed state."""
+        shape = self.volumes.shape
+        return BlockState(self.law.initial(shape), jnp.ones(shape), jnp.ones(shape[1]))
 
-class BlockForce(NamedTuple):
-    """Forces and works of a block in a step.
+    def deformation(self, corners: Array) -> Tensor:
+        """sum_k x_k (x) grad N_k of corner vectors (3, k, E), components (g, E)."""
+        g = self.gradients
+        return tensor(lambda i, j: sum(corners[i, k] * g[k, j] for k in range(len(g))))  # ty: ignore[invalid-argument-type] - a sum of arrays is no int
 
-    force : (3, N)          negative internal force on the nodes, without hourglass forces
-    hourglass : (3, N)      hourglass forces
-    state : state of the law;   ratios : (g, E) det F
-    plastic, viscous : work of the step, J
-    smallest : smallest det F of elements that are not deleted
-    """
-
-    force: Array
-    hourglass: Array
-    state: Any
-    ratios: Array
-    plastic: Array
-    viscous: Array
-    smallest: Array
-
-
-def solid_block(
-    points: SolidPoints,
-    numbers: np.ndarray,
-    n_nodes: int,
-    gradients: np.ndarray,
-    elastic: Isotropic,
-    hourglass: float,
-    bulk: BulkArrays | None = None,
-) -> SolidBlock:
-    """The arrays of a block.
-
-    numbers : (N_part,) numbers of the part's nodes among the n_nodes of the model
-    gradients : (E, g, 3, k) gradients at the points, in the axes of space
-    hourglass : stiffness of an hourglass mode relative to that of the stretching mode
-    """
-    nodes = numbers[points.nodes.T]
-    return SolidBlock(
-        jnp.asarray(nodes),
-        jnp.asarray(np.ascontiguousarray(gradients.transpose(3, 2, 1, 0))),
-        jnp.asarray(points.volumes.T),
-        jnp.asarray(np.ascontiguousarray(points.gamma.transpose(1, 2, 0))),
-        jnp.asarray(hourglass_stiffness(points, elastic, hourglass)),
-        jnp.asarray(incidence(nodes, n_nodes)),
-        bulk,
-    )
-
-
-def hourglass_stiffness(points: SolidPoints, elastic: Isotropic, hourglass: float) -> np.ndarray:
-    """Stiffness kappa (E,), N/m: kappa |gamma|^2 is `hourglass` times (lambda + 2 mu) V |b|^2 / 3."""
-    b = (points.gradients[:, 0] ** 2).sum(axis=(1, 2)) / 3
-    norm = (points.gamma**2).sum(axis=2).max(axis=1, initial=0.0)
-    free = np.where(norm > 0, norm, 1.0)
-    return hourglass * elastic.elasticity[0, 0] * points.volumes.sum(axis=1) * b / free
-
-
-def deformation(block: SolidBlock, corners: Array) -> Tensor:
-    """sum_k x_k (x) grad N_k of corner vectors (3, k, E), components (g, E)."""
-    g = block.gradients
-    return tensor(lambda i, j: sum(corners[i, k] * g[k, j] for k in range(len(g))))  # ty: ignore[invalid-argument-type] - a sum of arrays is no int
-
-
-def block_force(
-    law: Law,
-    block: SolidBlock,
-    x: Array,
-    dx: Array,
-    state: Any,
-    ratios: Array,
-    alive: Array,
-    beta: Array | None,
-    h: Array,
-) -> BlockForce:
-    """Forces at positions x (3, N), reached by the increment dx in a step h.
-
-    ratios : (g, E) det F before the step;   alive : (E,) 1, or 0 for deleted elements
-    beta : stiffness damping, s; None omits its operations
-    """
-    g, gamma = block.gradients, block.gamma
-    # Separate stages: the increment is not computed if the law does not use it.
-    corners = fusion_barrier(lambda of: of[:, block.nodes], x)
-    moves = fusion_barrier(lambda of: of[:, block.nodes], dx)
-    F = fusion_barrier(lambda of: deformation(block, of), corners)
-    dF = fusion_barrier(lambda of: deformation(block, of), moves)
-    P, state, dissipated, J = law.respond(F, dF, state)
-    lost = jnp.zeros_like(J)
-    if beta is not None:
-        viscous, lost = viscous_stress(law.elastic, beta, F, dF, h)
-        P = tensor(lambda i, j: P[i][j] + viscous[i][j])
-    if block.bulk is not None:
-        bulk = block.bulk
-        q, against = fusion_barrier(lambda of: bulk_pressure(bulk, *of, h), (J, ratios))
-        lost = lost + against
-        cof = cofactor(F)
-        P = tensor(lambda i, j: P[i][j] - q * cof[i][j])
-    volumes = block.volumes * alive
-    stress = fusion_barrier(lambda of: as_array(tensor(lambda i, j: volumes * of[i][j])), P)
-    forces = fusion_barrier(
-        lambda of: -_summed([of[:, None, j] * g[None, :, j] for j in range(3)]).sum(axis=2), stress
-    )
-    against = jnp.zeros_like(x)
-    if len(gamma):
-        kappa = block.hourglass * alive
-        amplitudes = fusion_barrier(
-            lambda of: kappa * _summed([of[None, :, k] * gamma[:, None, k] for k in range(len(g))]), corners
+    def force(self, at: ElementInstant, state: BlockState) -> Forces:
+        """Stress, damping and hourglass forces; elements that reach the deletion strain are then deleted."""
+        g, gamma, alive, law = self.gradients, self.gamma, state.alive, self.law
+        # Separate stages: the increment is not computed if the law does not use it.
+        corners = fusion_barrier(lambda of: of[:, self.nodes], at.x)
+        moves = fusion_barrier(lambda of: of[:, self.nodes], at.dx)
+        F = fusion_barrier(self.deformation, corners)
+        dF = fusion_barrier(self.deformation, moves)
+        P, material, dissipated, J = law.respond(F, dF, state.material)
+        lost = jnp.zeros_like(J)
+        if self.beta is not None:
+            viscous, lost = viscous_stress(law.elastic, self.beta, F, dF, at.h)
+            P = tensor(lambda i, j: P[i][j] + viscous[i][j])
+        if self.bulk is not None:
+            assert state.ratios is not None
+            bulk = self.bulk
+            q, against = fusion_barrier(lambda of: bulk_pressure(bulk, *of, at.h), (J, state.ratios))
+            lost = lost + against
+            cof = cofactor(F)
+            P = tensor(lambda i, j: P[i][j] - q * cof[i][j])
+        volumes = self.volumes * alive
+        stress = fusion_barrier(lambda of: as_array(tensor(lambda i, j: volumes * of[i][j])), P)
+        forces = fusion_barrier(
+            lambda of: -_summed([of[:, None, j] * g[None, :, j] for j in range(3)]).sum(axis=2), stress
         )
-        corner = fusion_barrier(
-            lambda of: -_summed([of[a][:, None] * gamma[None, a] for a in range(4)]), amplitudes
+        against = jnp.zeros_like(at.x)
+        if len(gamma):
+            kappa = self.hourglass * alive
+            amplitudes = fusion_barrier(
+                lambda of: kappa * _summed([of[None, :, k] * gamma[:, None, k] for k in range(len(g))]),
+                corners,
+            )
+            corner = fusion_barrier(
+                lambda of: -_summed([of[a][:, None] * gamma[None, a] for a in range(4)]), amplitudes
+            )
+            against = gathered(corner, self.table)
+        strain, left = law.plastic_strain(material), alive
+        if strain is not None and self.deletion != float("inf"):
+            left = alive * (strain.max(axis=0) < self.deletion)
+        return Forces(
+            gathered(forces, self.table),
+            BlockState(material, J, left),
+            hourglass=against,
+            plastic=jnp.sum(volumes * dissipated),
+            viscous=jnp.sum(volumes * lost),
+            smallest=jnp.min(jnp.where(alive > 0, J, 1.0)),
         )
-        against = gathered(corner, block.table)
-    return BlockForce(
-        gathered(forces, block.table),
-        against,
-        state,
-        J,
-        jnp.sum(volumes * dissipated),
-        jnp.sum(volumes * lost),
-        jnp.min(jnp.where(alive > 0, J, 1.0)),
-    )
+
+    def longest_step(self, x: Array, v: Array, alive: Array, contact_rate: Array) -> Array:
+        """Step limit of the remaining elements in their present state, s, with all contacts closed.
+
+        The limit at rest is multiplied by the smallest stretch, divided by sqrt(det F) where the volume has
+        grown. The result includes the bulk viscosity, but not the stiffness damping.
+        """
+        F = self.deformation(x[:, self.nodes])
+        each = as_array(F)
+        C = jnp.einsum("kige,kjge->geij", each, each)
+        least = jnp.sqrt(jnp.maximum(jnp.linalg.eigvalsh(C)[..., 0], 0.0))
+        volume = jnp.sqrt(jnp.maximum(jnp.linalg.det(C), 0.0)) ** 0.5
+        stretch = jnp.minimum(least, least / jnp.maximum(volume, 1e-30)).min(axis=0)
+        longest = with_contact(self.limit * stretch, contact_rate)
+        if self.bulk is not None:
+            xi = bulk_share(self.bulk, F, self.deformation(v[:, self.nodes])) / stretch
+            longest = longest * (jnp.sqrt(1 + xi**2) - xi)
+        return jnp.min(jnp.where(alive > 0, longest, jnp.inf))
+
+    def recorded(self, x: Array, _triads: Array, state: BlockState) -> tuple[Array, Array]:
+        """Plastic strain and von Mises stress, Pa, (E,) at the worst point of each element.
+
+        sqrt(3/2 s : s) with the deviator s of the Cauchy stress sigma = P F^T / J. With a zero increment, the
+        law returns its present stress, also beyond yield.
+        """
+        F = self.deformation(x[:, self.nodes])
+        response = self.law.respond(F, scaled(0.0, F), state.material)
+        sigma = scaled(1 / response.volume_ratio, product(response.stress, transposed(F)))
+        _, s = deviator(sigma)
+        mises = jnp.sqrt(1.5 * double_dot(s, s)).max(axis=0)
+        strain = self.law.plastic_strain(state.material)
+        return jnp.zeros_like(state.alive) if strain is None else strain.max(axis=0), state.alive * mises
 
 
 def _summed(terms: list[Array]) -> Array:

@@ -19,7 +19,6 @@ from supple.machine.ties.meeting import meeting_nodes
 from supple.methods.explicit.march.build_blocks import explicit_blocks
 from supple.methods.explicit.march.build_frames import Framed, MarchNodes, build_frames
 from supple.methods.explicit.march.build_obstacles import check_outside, recoil
-from supple.methods.explicit.march.build_shells import explicit_shells
 from supple.methods.explicit.march.build_surfaces import TiedNodes, modal_skins
 from supple.methods.explicit.march.build_ties import (
     ROUNDED,
@@ -86,10 +85,8 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         x = np.vstack([x, corners])
         v = np.vstack([v, rigid_velocities(part, corners)])
     made = explicit_blocks(explicit, numbers, len(x))
-    shells = explicit_shells(explicit, numbers, len(x))
-    mass = made.mass + shells.mass
-    alpha = (made.damped + shells.damped) / np.where(mass > 0, mass, 1.0)
-    short = min(made.step_limit, shells.step_limit)
+    mass, short = made.mass, made.step_limit
+    alpha = made.damped / np.where(mass > 0, mass, 1.0)
     movable = _movable(system, numbers, v)
     obstacles = tuple(contact.obstacle for contact in system.rigid_contacts)
     ties = [tie for tie in system.ties if tie.nodes.body in numbers and tie.on not in numbers]
@@ -103,7 +100,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     touching, obstacle_of, pressed, of_obstacles = _touching(system, numbers, x, mass, short)
     framed = build_frames(system, method, MarchNodes(numbers, x, mass, skins, tied, short, pressed), time)
     model = MarchModel(
-        (*made.blocks, *shells.blocks),
+        tuple(made.blocks),
         jnp.asarray(mass),
         jnp.asarray(alpha),
         jnp.asarray(movable),
@@ -116,13 +113,12 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
         jnp.asarray(system.gravity),
         jnp.asarray(max(framed.contact_rate, of_obstacles)),
-        shells.spins(system.supports, numbers, system),
+        made.spins(numbers, system),
         tuple(load.law for load in system.loads if isinstance(load, BaseAcceleration)),
         framed.joined.machine,
         jnp.asarray(framed.joined.driven),
     )
     methods = Methods(
-        (*made.rules, *shells.rules),
         obstacles,
         obstacle_of,
         framed.obstacles,
@@ -143,11 +139,9 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         if state.y.any() or state.vy.any() or system.joints:  # deformed, or moved by joints, at the start
             own = np.asarray(arrays.nodes)
             x[own], v[own] = led[own], rates[own]
-    start = _start(model, methods, x, v, framed, shells.start())
+    start = _start(model, methods, x, v, framed, made.triads())
     start = begun(model, methods, start._replace(time=jnp.asarray(time)))
-    first = len(made.blocks)
-    spans = {name: slice(first + own.start, first + own.stop) for name, own in shells.spans.items()}
-    return Built(model, methods, start, numbers, made.spans | spans, framed)
+    return Built(model, methods, start, numbers, made.spans, framed)
 
 
 def _movable(system: System, numbers: dict[str, IntArray], v: FloatArray) -> FloatArray:
@@ -205,7 +199,7 @@ def _start(
         x=jnp.asarray(x.T),
         v=jnp.asarray(v.T),
         forces=jnp.zeros((4, 3, len(x))),
-        blocks=tuple(rule.start(own) for rule, own in zip(methods.blocks, model.blocks, strict=True)),
+        blocks=tuple(block.start() for block in model.blocks),
         frames=frames,
         obstacles=tuple(
             ObstacleState(jnp.zeros(3), jnp.asarray(obstacle.velocity, dtype=float))

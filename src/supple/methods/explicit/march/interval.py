@@ -9,8 +9,8 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from supple.equations.compiler_options import STARTING
+from supple.methods.explicit.elements import with_contact
 from supple.methods.explicit.march.contact_forces import march_contact_forces
-from supple.methods.explicit.march.element_block import with_contact
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.march_model import MarchModel, MarchState, Methods
 from supple.methods.explicit.march.march_step import kinetic, march_step
@@ -245,8 +245,8 @@ def _recorded(
     model: MarchModel, methods: Methods, state: MarchState, trouble: Array, first: Array
 ) -> Recorded:
     worst = [
-        rule.recorded(block, state.x, state.turning.triads, own)
-        for rule, block, own in zip(methods.blocks, model.blocks, state.blocks, strict=True)
+        block.recorded(state.x, state.turning.triads, own)
+        for block, own in zip(model.blocks, state.blocks, strict=True)
     ]
     acceleration = model.movable * state.forces.sum(axis=0) / jnp.where(model.mass > 0, model.mass, 1.0)
     acceleration = acceleration - model.alpha * state.v

@@ -12,14 +12,9 @@ from supple.equations.configuration import ControlState
 from supple.equations.machine_model import Model
 from supple.equations.nodal_load import PreparedLoad
 from supple.machine.obstacles import Obstacle
+from supple.methods.explicit.elements import BlockState, ShellBlock, SolidBlock
 from supple.methods.explicit.frame_chart import FrameChart
 from supple.methods.explicit.frame_model import FrameModel, FrameState
-from supple.methods.explicit.march.element_block import (
-    BlockRule,
-    BlockState,
-    SolidArrays,
-    TriangleArrays,
-)
 from supple.methods.explicit.march.touching_surface import TouchingSurface
 from supple.methods.explicit.march.turning_nodes import Spins, TriadState
 from supple.methods.explicit.method import Explicit
@@ -77,7 +72,7 @@ class MarchModel(NamedTuple):
     driven : (m,)   1 for equations of joints with laws, else 0
     """
 
-    blocks: tuple[SolidArrays | TriangleArrays, ...]
+    blocks: tuple[SolidBlock | ShellBlock, ...]
     mass: Array
     alpha: Array
     movable: Array
@@ -101,7 +96,6 @@ class MarchModel(NamedTuple):
 class Methods:
     """Static arguments of the compiled time integration.
 
-    blocks : law and deletion of each block
     obstacles : obstacles of the rigid contacts, in their order
     frame_obstacles : numbers of the obstacles in contact with each frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
@@ -111,7 +105,6 @@ class Methods:
     explicit : Explicit     options of the run
     """
 
-    blocks: tuple[BlockRule, ...]
     obstacles: tuple[Obstacle, ...]
     obstacle_of: tuple[int, ...]
     frame_obstacles: tuple[tuple[int, ...], ...]

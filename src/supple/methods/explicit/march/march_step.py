@@ -13,9 +13,9 @@ from jax import Array, lax
 
 from supple.equations.compiler_options import STARTING
 from supple.equations.control_force import stepped
+from supple.methods.explicit.elements import ElementInstant
 from supple.methods.explicit.frame_invariants import step_kinetic_energy
 from supple.methods.explicit.march.contact_forces import contact_energy
-from supple.methods.explicit.march.element_block import ElementInstant
 from supple.methods.explicit.march.frame_forces import frame_states, gravity_at
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.march_model import Energies, MarchModel, MarchState, Methods, ObstacleState

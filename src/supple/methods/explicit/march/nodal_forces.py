@@ -9,7 +9,7 @@ from jax import Array
 
 from supple.equations.nodal_load import nodal_forces
 from supple.machine.obstacles import Obstacle
-from supple.methods.explicit.march.element_block import BlockState, ElementInstant
+from supple.methods.explicit.elements import BlockState, ElementInstant
 from supple.methods.explicit.march.frame_forces import gravity_at
 from supple.methods.explicit.march.march_model import MarchModel, Methods, NodesTouching, ObstacleState
 from supple.methods.explicit.march.touching_surface import surface_penalty
@@ -47,8 +47,8 @@ def explicit_forces(
     internal, hourglass = jnp.zeros_like(x), jnp.zeros_like(x)
     plastic, viscous, smallest = jnp.zeros(()), jnp.zeros(()), jnp.ones(())
     moments, reached = jnp.zeros((3, at.triads.shape[2])), []
-    for block, own, state in zip(methods.blocks, model.blocks, blocks, strict=True):
-        out = block.force(own, at, state)
+    for block, state in zip(model.blocks, blocks, strict=True):
+        out = block.force(at, state)
         reached.append(out.state)
         internal = internal + out.force
         hourglass = hourglass if out.hourglass is None else hourglass + out.hourglass

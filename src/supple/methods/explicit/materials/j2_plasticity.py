@@ -30,6 +30,7 @@ from supple.methods.explicit.tensor3 import (
     added,
     cofactor,
     determinant,
+    deviator,
     double_dot,
     product,
     scaled,
@@ -88,12 +89,11 @@ class J2Plasticity:
     def _returned(self, trial: Tensor, strain: Array) -> tuple[Tensor, Array, Array]:
         """Stress on or within the yield surface, plastic strain, and dissipation per current volume."""
         _, mu = lame(self.elastic)
-        mean = (trial[0][0] + trial[1][1] + trial[2][2]) / 3
-        deviator = tensor(lambda i, j: trial[i][j] - mean if i == j else trial[i][j])
-        mises = jnp.sqrt(1.5 * double_dot(deviator, deviator))
+        mean, s = deviator(trial)
+        mises = jnp.sqrt(1.5 * double_dot(s, s))
         increment = self.hardening.multiplier(mises, strain, 3 * mu)
         factor = 1 - 3 * mu * increment / jnp.where(mises > 0, mises, 1.0)
-        stress = tensor(lambda i, j: factor * deviator[i][j] + (mean if i == j else 0.0))
+        stress = tensor(lambda i, j: factor * s[i][j] + (mean if i == j else 0.0))
         return stress, strain + increment, (mises - 3 * mu * increment) * increment
 
 

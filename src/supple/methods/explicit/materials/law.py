@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import jax.numpy as jnp
 from jax import Array
@@ -18,20 +18,23 @@ from supple.methods.explicit.tensor3 import (
     transposed,
 )
 
-__all__ = ["Law", "MaterialResponse"]
+__all__ = ["Law", "LawState", "MaterialResponse"]
+
+LawState: TypeAlias = Any
+"""Internal variables of a law at some points, a pytree of arrays."""
 
 
 class MaterialResponse(NamedTuple):
     """Response of a law at some points.
 
     stress : Tensor             first Piola-Kirchhoff P, force per undeformed area, Pa
-    state : pytree of arrays    internal variables of the law
+    state : LawState            internal variables
     dissipated : array          plastic work of the step per undeformed volume, J/m^3
     volume_ratio : array        J = det F; not positive where the element is inverted
     """
 
     stress: Tensor
-    state: Any
+    state: LawState
     dissipated: Array
     volume_ratio: Array
 
@@ -44,15 +47,15 @@ class Law(Protocol):
         """Its elastic constants and density, which bound the step."""
         ...
 
-    def initial(self, shape: tuple[int, ...]) -> Any:
+    def initial(self, shape: tuple[int, ...]) -> LawState:
         """Internal variables of points at rest."""
         ...
 
-    def respond(self, F: Tensor, dF: Tensor, state: Any) -> MaterialResponse:
+    def respond(self, F: Tensor, dF: Tensor, state: LawState) -> MaterialResponse:
         """Stress at the deformation gradient F, reached by the increment dF from that of the last step."""
         ...
 
-    def plastic_strain(self, state: Any) -> Array | None:
+    def plastic_strain(self, state: LawState) -> Array | None:
         """Equivalent plastic strain at the points; None for laws without plasticity."""
         ...
 
