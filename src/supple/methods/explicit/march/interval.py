@@ -202,28 +202,15 @@ def _checked(
     largest = state.largest + noise
     # Without kinetic energy, which is about half of the largest energy of a run.
     size = jnp.maximum(_size(state) + noise, 0.5 * largest)
-    seen = jnp.where(
-        state.smallest <= 0,
-        1,
-        jnp.where(
-            ~jnp.isfinite(held),
-            2,
-            jnp.where(
-                jnp.abs(held - e.external - state.initial) > DRIFT * largest,
-                3,
-                jnp.where(
-                    jnp.abs(e.interface) > DRIFT * largest,
-                    5,
-                    jnp.where(
-                        (jnp.minimum(e.internal + lead, e.hourglass) < -2 * DRIFT * size)
-                        | (e.contact < -RELEASED * largest),
-                        4,
-                        0,
-                    ),
-                ),
-            ),
-        ),
-    )
+    causes = {
+        1: state.smallest <= 0,
+        2: ~jnp.isfinite(held),
+        3: jnp.abs(held - e.external - state.initial) > DRIFT * largest,
+        5: jnp.abs(e.interface) > DRIFT * largest,
+        4: (jnp.minimum(e.internal + lead, e.hourglass) < -2 * DRIFT * size)
+        | (e.contact < -RELEASED * largest),
+    }
+    seen = jnp.select(list(causes.values()), list(causes), 0)
     trouble = jnp.where(trouble > 0, trouble, seen)
     return row._replace(trouble=trouble), trouble
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
-import jax.numpy as jnp
 from jax import Array
 
 from supple.fem import Isotropic
@@ -81,8 +80,3 @@ def viscous_stress(material: Isotropic, beta: Array, F: Tensor, dF: Tensor, h: A
     rate = scaled(1 / h, symmetric_part(product(transposed(F), dF)))
     S = scaled(beta, linear_stress(material, rate))
     return product(F, S), h * double_dot(S, rate)
-
-
-def no_dissipation(F: Tensor) -> Array:
-    """Zero at every point."""
-    return jnp.zeros_like(F[0][0])
