@@ -10,7 +10,7 @@ from pydantic import Field
 from supple.body import FlexibleBody, LinearRayleighDamping
 from supple.cases.body_kinds import is_explicit_table, kind_of
 from supple.errors import ModelError
-from supple.fem import FiniteElementModel, Isotropic
+from supple.fem import FiniteElementModel, Isotropic, isotropic_materials
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, table
 from supple.methods.explicit import (
     BulkViscosity,
@@ -28,7 +28,6 @@ from supple.methods.explicit import (
     modal_subdomain,
 )
 from supple.methods.explicit.materials import Law
-from supple.methods.explicit.modal_stress import isotropic_materials
 from supple.reduction import NormalModes, Rubin
 
 

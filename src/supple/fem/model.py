@@ -17,7 +17,7 @@ from supple.errors import ModelError, SuppleWarning
 from supple.fem.attached import Attached
 from supple.fem.attached_parts import attached_parts, point_masses
 from supple.fem.beam2 import BeamLine, beam_line, beam_mass, beam_strain
-from supple.fem.beam_section import LineSection, RodSection
+from supple.fem.beam_section import BeamSection, LineSection, RodSection
 from supple.fem.coarse_curvature import warn_of_coarse_curvature
 from supple.fem.mass import CellMass, consistent_mass, nodal_mass_matrix, shell_mass
 from supple.fem.material import Anisotropic, Isotropic
@@ -36,6 +36,7 @@ __all__ = [
     "FiniteElementModel",
     "cell_masses",
     "finite_element_model",
+    "isotropic_materials",
     "lumped_mass",
     "nodal_rotation_operator",
     "node_masses",
@@ -265,6 +266,14 @@ def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
         )
     found[beside.nodes[:, 0]] = own
     return found
+
+
+def isotropic_materials(model: FiniteElementModel) -> set[Isotropic]:
+    """Isotropic materials of solids, beams, rods, and of shells with one material through the thickness."""
+    given = [section.property for section in model.sections]
+    of_material = HomogeneousSection | BeamSection | RodSection
+    made_of = [own.material if isinstance(own, of_material) else own for own in given]
+    return {material for material in made_of if isinstance(material, Isotropic)}
 
 
 def refuse_attached(attached: Attached, what: str) -> None:

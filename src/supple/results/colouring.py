@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.fem import FiniteElementModel, has_stress
+from supple.fem import FiniteElementModel, has_stress, isotropic_materials
 from supple.integrate import FramedMotion, Motion
-from supple.methods.explicit.modal_stress import isotropic_materials
 from supple.methods.explicit.motions import NodalMotion
 from supple.quantities import von_mises_by_end
 from supple.results import without_noise

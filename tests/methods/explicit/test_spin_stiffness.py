@@ -26,10 +26,10 @@ from supple.methods.explicit import (
     PublishedScheme,
     modal_subdomain,
 )
-from supple.methods.explicit.frame_invariants import angular_momentum
 from supple.methods.explicit.frame_model import FrameState
 from supple.methods.explicit.spin_stiffness import PAIRS, largest_of_unit_spin
 from supple.reduction import CompressedDerivatives, NoLoads, NormalModes, reduce
+from supple_benchmarks.explicit.free_flight import angular_momentum
 
 AROUND = np.array([0.97, 1.2])
 """Where the frequencies of bending are under the spin, relative to those at rest."""

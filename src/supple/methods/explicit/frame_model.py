@@ -7,7 +7,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from supple.methods.explicit.frame_moments import Moments, Spread, arms
+from supple.methods.explicit.frame_moments import Moments, Spread, arms, spread
 from supple.methods.explicit.frame_points import CORNERS
 from supple.methods.explicit.spin_stiffness import spin_products
 
@@ -20,6 +20,7 @@ __all__ = [
     "gravity_force",
     "point_forces",
     "spin_force",
+    "step_kinetic_energy",
 ]
 
 
@@ -108,3 +109,13 @@ def point_forces(weights: Array, shapes: Array, p: Array, y: Array, forces: Arra
 def material_points(weights: Array, shapes: Array, p: Array, y: Array) -> Array:
     """Positions (n, 3) of material points: always from p and y, never by integrating velocities."""
     return weights @ p + (shapes @ y) @ arms(p).T
+
+
+def step_kinetic_energy(model: FrameModel, state: FrameState, h: Array | float) -> Array:
+    """1/2 sum m |x_n - x_n-1|^2 / h^2 over a step h that ends in a state; constant in free flight."""
+    vp, vy = state.vp, state.vy
+    sums = spread(model.moments, state.y - h * vy)
+    P = arms(state.p)
+    C = jnp.einsum("k,ijkl,l->ij", vy, model.moments.C, vy)
+    twice = jnp.sum(vp * (sums.Xi @ vp)) + 2 * jnp.sum(((sums.Q @ vy) @ P.T) * vp) + jnp.sum((P.T @ P) * C)
+    return 0.5 * twice

@@ -12,14 +12,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from supple.algebra import jax_settings  # noqa: F401 - 64-bit floats, before the first array
 from supple.methods.explicit.frame_points import CORNERS
 from supple.methods.explicit.mass_fields import MassFields
 
-__all__ = ["Moments", "Spread", "arms", "moments", "rigid_rates", "spread"]
+__all__ = ["Moments", "Spread", "arms", "moments", "spread"]
 
 
 class Moments(NamedTuple):
@@ -72,12 +71,3 @@ def spread(of: Moments, y: Array) -> Spread:
 def arms(p: Array) -> Array:
     """P (3, 3), columns x_A - x_O, x_B - x_O, x_C - x_O, of points p (4, 3)."""
     return (p[1:] - p[0]).T
-
-
-def rigid_rates(p: np.ndarray) -> np.ndarray:
-    """Velocities (12, 6) of four points p (4, 3) per unit velocity and angular velocity of their frame."""
-    rates = np.zeros((4, 3, 6))
-    rates[:, :, :3] = np.eye(3)
-    for i, axis in enumerate(np.eye(3)):
-        rates[:, :, 3 + i] = np.cross(axis, p)
-    return rates.reshape(12, 6)

@@ -48,6 +48,15 @@ class FramePoints:
         return position + own @ rotation.T
 
     @property
+    def rigid_rates(self) -> FloatArray:
+        """(4, 3, 6): rates of the points per unit velocity and angular velocity, in the axes of the body."""
+        rates = np.zeros((4, 3, 6))
+        rates[:, :, :3] = np.eye(3)
+        for i, axis in enumerate(np.eye(3)):
+            rates[:, :, 3 + i] = np.cross(axis, self.placed(np.zeros(3), np.eye(3)) - self.origin)
+        return rates
+
+    @property
     def squared_lengths(self) -> FloatArray:
         """Squared lengths (6,) of the links, m^2: three arms, three diagonals."""
         return self.arm**2 * np.array([1.0, 1, 1, 2, 2, 2])

@@ -10,11 +10,17 @@ from numpy.typing import NDArray
 from scipy import linalg, sparse
 
 from supple.methods.explicit.frame_model import FrameModel
-from supple.methods.explicit.frame_moments import Moments, moments, rigid_rates
+from supple.methods.explicit.frame_moments import Moments, moments
 from supple.methods.explicit.mass_fields import MassFields
 from supple.methods.explicit.modal_subdomain import ModalSubdomain
 from supple.methods.explicit.spin_stiffness import largest_of_unit_spin
-from supple.methods.explicit.step_limit import damped_limit, local_mass, true_limit
+from supple.methods.explicit.step_limit import (
+    damped_limit,
+    free_modal_mass,
+    local_mass,
+    mass_of_motions,
+    true_limit,
+)
 
 __all__ = ["ModalFrame", "modal_frame"]
 
@@ -57,8 +63,7 @@ class ModalFrame:
         if self.model.spin_stiffness is None:
             return None
         mass, _ = self.pencil()
-        free = mass[6:, 6:] - mass[6:, :6] @ np.linalg.solve(mass[:6, :6], mass[:6, 6:])
-        return largest_of_unit_spin(np.asarray(self.model.spin_stiffness), free)
+        return largest_of_unit_spin(np.asarray(self.model.spin_stiffness), free_modal_mass(mass))
 
     def penalty_stiffness(self, nodes: NDArray[np.int64], stiffness: FloatArray) -> FloatArray:
         """Stiffness sum s B^T B, (6 + k, 6 + k), of springs s (n,) at nodes, equal in all directions."""
@@ -82,25 +87,12 @@ class ModalFrame:
 
     def material_motion(self, weights: FloatArray, shapes: FloatArray) -> FloatArray:
         """(n, 3, 6 + k): motion of material points of weights (n, 4) and shapes (n, 3, k)."""
-        on_points = np.einsum("na,aic->nic", weights, self.rigid_rates)
+        on_points = np.einsum("na,aic->nic", weights, self.body.points.rigid_rates)
         return np.concatenate([on_points, self.body.points.arm * shapes], axis=2)
-
-    @property
-    def rigid_rates(self) -> FloatArray:
-        """(4, 3, 6): rates of the points per unit velocity and angular velocity, in the mesh axes."""
-        points = self.body.points
-        return rigid_rates(points.placed(np.zeros(3), np.eye(3)) - points.origin).reshape(4, 3, 6)
 
     def pencil(self) -> tuple[FloatArray, FloatArray]:
         """Mass and stiffness (6 + k, 6 + k) of rigid motion and modes."""
-        sums, points = self.model.moments, self.body.points
-        k = len(self.turned)
-        rigid = self.rigid_rates.reshape(12, 6)
-        M = np.zeros((6 + k, 6 + k))
-        M[:6, :6] = rigid.T @ np.kron(np.asarray(sums.S0), np.eye(3)) @ rigid
-        M[:6, 6:] = rigid.T @ (points.arm * np.asarray(sums.S1).reshape(12, -1))
-        M[6:, :6] = M[:6, 6:].T
-        M[6:, 6:] = local_mass(sums, points.arm)
+        M = mass_of_motions(self.model.moments, self.body.points)
         K = np.zeros_like(M)
         K[6:, 6:] = np.asarray(self.model.stiffness)
         return M, K

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from supple.errors import ModelError
-from supple.methods.explicit.frame_moments import Moments, rigid_rates
+from supple.methods.explicit.frame_moments import Moments
 from supple.methods.explicit.frame_points import FramePoints
 
-__all__ = ["damped_limit", "local_limit", "true_limit"]
+__all__ = ["damped_limit", "free_modal_mass", "local_limit", "mass_of_motions", "true_limit"]
 
 FloatArray = NDArray[np.float64]
 
@@ -32,15 +32,24 @@ def local_limit(moments: Moments, arm: float, stiffness: FloatArray) -> float:
 
 def true_limit(moments: Moments, points: FramePoints, stiffness: FloatArray) -> float:
     """Limit of modes and frame together, s; stiffness (k, k)."""
-    S0, S1 = np.asarray(moments.S0), np.asarray(moments.S1)
-    p = points.placed(np.zeros(3), np.eye(3)) - points.origin
-    R = rigid_rates(p)
-    M_E = np.kron(S0, np.eye(3))
-    M_C = points.arm * S1.reshape(12, -1)
-    coupled = R.T @ M_C
-    return _limit(
-        stiffness, local_mass(moments, points.arm) - coupled.T @ np.linalg.solve(R.T @ M_E @ R, coupled)
-    )
+    return _limit(stiffness, free_modal_mass(mass_of_motions(moments, points)))
+
+
+def mass_of_motions(moments: Moments, points: FramePoints) -> FloatArray:
+    """Mass matrix (6 + k, 6 + k) of rigid motion and modes, in the mesh axes."""
+    rigid, S1 = points.rigid_rates.reshape(12, 6), np.asarray(moments.S1)
+    k = S1.shape[2]
+    M = np.zeros((6 + k, 6 + k))
+    M[:6, :6] = rigid.T @ np.kron(np.asarray(moments.S0), np.eye(3)) @ rigid
+    M[:6, 6:] = rigid.T @ (points.arm * S1.reshape(12, -1))
+    M[6:, :6] = M[:6, 6:].T
+    M[6:, 6:] = local_mass(moments, points.arm)
+    return M
+
+
+def free_modal_mass(mass: FloatArray) -> FloatArray:
+    """Mass (k, k) of the modes with a free frame, from that of rigid motion and modes."""
+    return mass[6:, 6:] - mass[6:, :6] @ np.linalg.solve(mass[:6, :6], mass[:6, 6:])
 
 
 def damped_limit(limit: float, stiffness_factor: float) -> float:

@@ -9,10 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.fem import isotropic_materials, stress_recovery, von_mises
 from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine import System
 from supple.methods.explicit.materials import J2Plasticity
-from supple.methods.explicit.modal_stress import isotropic_materials, modal_von_mises, stress_of_modes
 from supple.methods.explicit.modal_subdomain import ModalSubdomain
 from supple.methods.explicit.peak_watch import Peak, PeakWatch
 
@@ -23,7 +23,11 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class _Limit:
-    """Yield stress, Pa, of a modal part, the name of the part that gives it, and the stress of the modes."""
+    """Yield stress of a modal part.
+
+    yield_stress : Pa;   whose : name of the part that gives it
+    of_modes : (k, N, l, 6) stress at the nodes in l layers per modal coordinate, Pa
+    """
 
     part: ModalSubdomain
     yield_stress: float
@@ -38,10 +42,11 @@ class YieldWatch(PeakWatch):
     limits: tuple[_Limit, ...]
 
     def values(self, leg: Solution) -> Iterator[tuple[str, FloatArray]]:
-        """Von Mises stresses (t, nodes) of each part."""
+        """Von Mises stresses (t, nodes) of each part, the largest over the layers."""
         for own in self.limits:
-            motion = leg.motion(own.part.name, FloatingMotion)
-            yield own.part.name, modal_von_mises(own.of_modes, motion.coordinates)
+            rows = leg.motion(own.part.name, FloatingMotion).coordinates
+            stresses = (np.einsum("k,knlc->nlc", row, own.of_modes) for row in rows)
+            yield own.part.name, np.array([von_mises(each).max(axis=1) for each in stresses])
 
     def excesses(self, peaks: Mapping[str, Peak]) -> list[str]:
         """A message for every limit exceeded."""
@@ -60,9 +65,11 @@ def yield_watch(system: System, validity: Validity) -> YieldWatch:
     """
     found = []
     for part in system.bodies_of(ModalSubdomain).values():
-        limit, whose = _yield_stress(system, part)
-        if part.n_modes and part.body.model is not None and np.isfinite(limit):
-            found.append(_Limit(part, limit, whose, stress_of_modes(part)))
+        (limit, whose), model = _yield_stress(system, part), part.body.model
+        if part.n_modes and model is not None and np.isfinite(limit):
+            recovery = stress_recovery(model).linearized()
+            of_modes = np.array([recovery.at_nodes(column) for column in part.nodal_basis.T])
+            found.append(_Limit(part, limit, whose, of_modes))
     return YieldWatch(validity, tuple(found))
 
 

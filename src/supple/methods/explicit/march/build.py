@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -15,11 +15,12 @@ from scipy.sparse.csgraph import connected_components
 from supple.equations.nodal_load import PreparedLoad, prepared
 from supple.errors import ModelError
 from supple.machine import At, BaseAcceleration, Contact, DeadForce, FollowerPressure, Placed, System, Tie
+from supple.machine.laws.time_law import TimeLaw
 from supple.machine.ties.meeting import meeting_nodes
 from supple.methods.explicit.march.build_blocks import explicit_blocks
-from supple.methods.explicit.march.build_frames import Framed, MarchNodes, build_frames
+from supple.methods.explicit.march.build_frames import Framed, build_frames
 from supple.methods.explicit.march.build_obstacles import check_outside, recoil
-from supple.methods.explicit.march.build_surfaces import TiedNodes, modal_skins
+from supple.methods.explicit.march.build_surfaces import MarchNodes, TiedNodes, modal_skins
 from supple.methods.explicit.march.build_ties import (
     ROUNDED,
     check_positions,
@@ -81,7 +82,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     skins = modal_skins(system, len(x))
     for skin in skins:
         part = system.placed(skin.part)
-        corners = undeformed(part)[skin.corners]
+        corners = undeformed(part)[skin.corners[:, 0]]
         x = np.vstack([x, corners])
         v = np.vstack([v, rigid_velocities(part, corners)])
     made = explicit_blocks(explicit, numbers, len(x))
@@ -90,11 +91,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     movable = _movable(system, numbers, v)
     obstacles = tuple(contact.obstacle for contact in system.rigid_contacts)
     ties = [tie for tie in system.ties if tie.nodes.body in numbers and tie.on not in numbers]
-    tied = [_tied(system, tie, numbers, x) for tie in ties]
-    tied += [
-        TiedNodes(skin.part, skin.nodes, skin.corners[:, None], np.ones((len(skin.nodes), 1)))
-        for skin in skins
-    ]
+    tied = [_tied(system, tie, numbers, x) for tie in ties] + skins
     _check_tied_once(tied, x)
     _check_not_held(system, tied, numbers)
     touching, obstacle_of, pressed, of_obstacles = _touching(system, numbers, x, mass, short)
@@ -108,7 +105,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         framed.joined.ties,
         touching,
         framed.surfaces,
-        _loaded(system, numbers),
+        tuple(_loaded(system, numbers)),
         _pressed(system, numbers),
         jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
         jnp.asarray(system.gravity),
@@ -155,14 +152,15 @@ def _movable(system: System, numbers: dict[str, IntArray], v: FloatArray) -> Flo
     return movable
 
 
-def _loaded(system: System, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
+def _loaded(system: System, numbers: dict[str, IntArray]) -> Iterator[tuple[jax.Array, float, TimeLaw]]:
     """Nodes, number of nodes that share the force, and law of each load on explicit nodes."""
-    found = []
     for load in system.loads:
         if isinstance(load, DeadForce) and load.body in numbers:
-            own, shared = _loaded_nodes(system, load)
-            found.append((jnp.asarray(numbers[load.body][own]), shared, load.law))
-    return tuple(found)
+            own, shared = load.nodes, 1
+            if isinstance(load.at, str):
+                own = system.node_numbers(At(load.body, load.at))
+                shared = len(own)
+            yield jnp.asarray(numbers[load.body][own]), float(shared), load.law
 
 
 def _pressed(system: System, numbers: dict[str, IntArray]) -> tuple[tuple[jax.Array, PreparedLoad], ...]:
@@ -172,14 +170,6 @@ def _pressed(system: System, numbers: dict[str, IntArray]) -> tuple[tuple[jax.Ar
         for load in system.loads
         if isinstance(load, FollowerPressure) and load.body in numbers
     )
-
-
-def _loaded_nodes(system: System, load: DeadForce) -> tuple[IntArray, float]:
-    """Numbers of a load's nodes within its part, and how many of them share its force."""
-    if not isinstance(load.at, str):
-        return load.nodes, 1.0
-    nodes = system.node_numbers(At(load.body, load.at))
-    return nodes, float(len(nodes))
 
 
 def _start(

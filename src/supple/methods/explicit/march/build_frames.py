@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,7 +16,7 @@ from scipy import linalg
 from supple.body import RigidBody
 from supple.equations.build_model import build_model
 from supple.equations.compiled_machine import CompiledMachine
-from supple.equations.configuration import Configuration, ControlState
+from supple.equations.configuration import ControlState
 from supple.equations.consistent_start import consistent_start
 from supple.equations.control_start import first_control
 from supple.equations.machine_model import Model
@@ -26,7 +26,7 @@ from supple.methods.explicit.frame_chart import frame_chart, placed_state
 from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.march.build_joined import JoinedFrames, joined_frames
 from supple.methods.explicit.march.build_obstacles import check_outside, recoil
-from supple.methods.explicit.march.build_surfaces import ModalSkin, TiedNodes, touching_surfaces
+from supple.methods.explicit.march.build_surfaces import MarchNodes, TiedNodes, touching_surfaces
 from supple.methods.explicit.march.frame_forces import frame_states, stored_energy, storing_elements
 from supple.methods.explicit.march.march_model import FrameArrays, NodesTouching
 from supple.methods.explicit.march.touching_surface import TouchingSurface
@@ -35,28 +35,10 @@ from supple.methods.explicit.modal_frame import ModalFrame, modal_frame
 from supple.methods.explicit.rigid_frame import RigidFrame
 from supple.methods.explicit.start_motion import undeformed
 
-__all__ = ["Framed", "MarchNodes", "build_frames"]
+__all__ = ["Framed", "build_frames"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class MarchNodes:
-    """Nodes of the model.
-
-    numbers : node numbers of each explicit part;   x : (N, 3) at the start;   mass : (N,) kg
-    skins : points of modal parts in contact;   tied : nodes tied to frames
-    short : step limit of the explicit nodes, s;   pressed : (N,) stiffness of obstacles at each, N/m
-    """
-
-    numbers: Mapping[str, IntArray]
-    x: FloatArray
-    mass: FloatArray
-    skins: Sequence[ModalSkin]
-    tied: Sequence[TiedNodes]
-    short: float
-    pressed: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,17 +82,7 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
         arrays.append(own_arrays)
         states.append(state)
         obstacles.append(touched)
-    surfaces, contact_rate, between = touching_surfaces(
-        system,
-        nodes.numbers,
-        nodes.skins,
-        nodes.tied,
-        frames,
-        nodes.mass,
-        nodes.x,
-        nodes.short,
-        nodes.pressed,
-    )
+    surfaces, contact_rate, between = touching_surfaces(system, nodes, frames)
     pressed = {}
     for place, (name, frame) in enumerate(frames.items()):
         both = [each for each in (penalties[name], between.get(name)) if each is not None]
@@ -181,21 +153,13 @@ def _joined_start(
     if floating.joints:
         start = consistent_start(CompiledMachine(floating, model), time)
         model, change = start.machine.model, start.change
+        origins, rotations, coordinates = start.configuration
+        parts = zip(frames.values(), origins, rotations, model.coordinate_slices, model.slices, strict=True)
         states = [
-            placed_state(frame, *place, start.velocity[part])
-            for frame, place, part in zip(
-                frames.values(),
-                _places(model, start.configuration),
-                model.slices,
-                strict=True,
-            )
+            placed_state(frame, R, A, coordinates[own], start.velocity[part])
+            for frame, R, A, own, part in parts
         ]
     return replace(model, groups=()), change, states
-
-
-def _places(model: Model, where: Configuration) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
-    for number, part in enumerate(model.coordinate_slices):
-        yield where.origins[number], where.rotations[number], where.coordinates[part]
 
 
 def _frame(

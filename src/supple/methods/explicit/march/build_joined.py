@@ -92,7 +92,7 @@ def joined_frames(
     joined = {number for pair in pairs for number in pair} | _touched(machine.joints)
     limited = sorted(joined | _touched(machine.forces))
     rigid = [
-        np.einsum("ij,ajc->aic", system.placed(name).rotation, frame.rigid_rates)
+        np.einsum("ij,ajc->aic", system.placed(name).rotation, frame.body.points.rigid_rates)
         for name, frame in frames.items()
     ]
     rows = [

@@ -24,7 +24,7 @@ from supple.methods.explicit.march.touching_surface import (
 from supple.methods.explicit.modal_frame import ModalFrame
 from supple.methods.explicit.start_motion import undeformed
 
-__all__ = ["ModalSkin", "TiedNodes", "modal_skins", "touching_surfaces"]
+__all__ = ["MarchNodes", "TiedNodes", "modal_skins", "touching_surfaces"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -41,15 +41,24 @@ class TiedNodes:
 
 
 @dataclass(frozen=True, eq=False)
-class ModalSkin:
-    """Contact points of a modal part: `nodes` are their numbers in the model, `corners` those in the part."""
+class MarchNodes:
+    """Nodes of the model.
 
-    part: str
-    nodes: IntArray
-    corners: IntArray
+    numbers : node numbers of each explicit part;   x : (N, 3) at the start;   mass : (N,) kg
+    skins : points of modal parts in contact;   tied : all nodes tied to frames
+    short : step limit of the explicit nodes, s;   pressed : (N,) stiffness of obstacles at each, N/m
+    """
+
+    numbers: Mapping[str, IntArray]
+    x: FloatArray
+    mass: FloatArray
+    skins: Sequence[TiedNodes]
+    tied: Sequence[TiedNodes]
+    short: float
+    pressed: FloatArray
 
 
-def modal_skins(system: System, first: int) -> list[ModalSkin]:
+def modal_skins(system: System, first: int) -> list[TiedNodes]:
     """The points of each modal part in contacts with other parts, numbered from `first` on."""
     skins = []
     ends = [end for each in system.surface_contacts for end in (each.nodes, each.surface)]
@@ -57,34 +66,26 @@ def modal_skins(system: System, first: int) -> list[ModalSkin]:
         own = [system.node_numbers(end) for end in ends if end.body == body.name]
         if own and body.kind == "modal":
             corners = np.unique(np.concatenate(own)).astype(int)
-            skins.append(ModalSkin(body.name, first + np.arange(len(corners)), corners))
-            first += len(corners)
+            n = len(corners)
+            skins.append(TiedNodes(body.name, first + np.arange(n), corners[:, None], np.ones((n, 1))))
+            first += n
     return skins
 
 
 def touching_surfaces(
-    system: System,
-    numbers: Mapping[str, IntArray],
-    skins: Sequence[ModalSkin],
-    tied: Sequence[TiedNodes],
-    frames: Mapping[str, ModalFrame],
-    mass: FloatArray,
-    x: FloatArray,
-    short: float,
-    pressed: FloatArray,
+    system: System, given: MarchNodes, frames: Mapping[str, ModalFrame]
 ) -> tuple[tuple[TouchingSurface, ...], float, dict[str, FloatArray]]:
     """Contacts between parts, and their effect on the step limits with all of them closed.
 
-    numbers : node numbers of each explicit part;   short : step limit of the explicit nodes, s
-    pressed : (N,) stiffness of obstacles at explicit nodes, N/m
     Returns the surfaces; the largest stiffness of surfaces plus that of obstacles over mass of explicit nodes
     without ties, 1/s^2; and for each frame the stiffness (6 + k, 6 + k) of the penalties on nodes tied to it.
     """
-    place = {part: np.full(len(system.placed(part).body.nodes), -1) for part in (skin.part for skin in skins)}
-    for skin in skins:
-        place[skin.part][skin.corners] = skin.nodes
-    number = {**numbers, **place}
-    bears = _bearing(tied, frames, mass, short)
+    x, mass, tied, pressed = given.x, given.mass, given.tied, given.pressed
+    number = dict(given.numbers)
+    for skin in given.skins:
+        number[skin.part] = np.full(len(system.placed(skin.part).body.nodes), -1)
+        number[skin.part][skin.corners[:, 0]] = skin.nodes
+    bears = _bearing(tied, frames, mass, given.short)
     on_nodes = np.zeros(len(x))
     surfaces = []
     for contact in system.surface_contacts:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from jax import Array
 from jax.tree_util import register_static
@@ -11,6 +11,7 @@ from jax.tree_util import register_static
 from supple.equations.configuration import ControlState
 from supple.equations.machine_model import Model
 from supple.equations.nodal_load import PreparedLoad
+from supple.machine.laws.time_law import TimeLaw
 from supple.machine.obstacles import Obstacle
 from supple.methods.explicit.elements import BlockState, ShellBlock, SolidBlock
 from supple.methods.explicit.frame_chart import FrameChart
@@ -80,13 +81,13 @@ class MarchModel(NamedTuple):
     ties: tuple[ModalTie, ...]
     touching: tuple[NodesTouching, ...]
     surfaces: tuple[TouchingSurface, ...]
-    loaded: tuple[Any, ...]
+    loaded: tuple[tuple[Array, float, TimeLaw], ...]
     pressed: tuple[tuple[Array, PreparedLoad], ...]
     obstacle_mass: Array
     gravity: Array
     contact_rate: Array
     spins: Spins
-    base_accelerations: tuple[Any, ...]
+    base_accelerations: tuple[TimeLaw, ...]
     machine: Model | None
     driven: Array
 

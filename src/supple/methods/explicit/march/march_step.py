@@ -14,7 +14,7 @@ from jax import Array, lax
 from supple.equations.compiler_options import STARTING
 from supple.equations.control_force import stepped
 from supple.methods.explicit.elements import ElementInstant
-from supple.methods.explicit.frame_invariants import step_kinetic_energy
+from supple.methods.explicit.frame_model import step_kinetic_energy
 from supple.methods.explicit.march.contact_forces import contact_energy
 from supple.methods.explicit.march.frame_forces import frame_states, gravity_at
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
