@@ -15,9 +15,12 @@ import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import h5py
+
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _VERSION = 3
@@ -27,10 +30,6 @@ _MASK = 0xFFFFFFFF
 
 
 _MARK, _END = 4, 7  # indices of the fields
-
-
-class DamagedSuperblockError(ValueError):
-    """The first bytes of a file have changed since it was written, or the file is truncated."""
 
 
 def is_current_hdf5(path: Path) -> bool:
@@ -45,13 +44,10 @@ def open_unmarked(path: Path) -> Iterator[h5py.File]:
 
     Raises
     ------
-    DamagedSuperblockError     its first bytes are damaged, or it is shorter than its superblock states
-    OSError                    other errors of HDF5
+    ValueError      its first bytes are damaged, or it is shorter than its superblock states
+    OSError         other errors of HDF5
     """
-    with (
-        path.open("rb") as file,
-        h5py.File(_UnmarkedFile(file, _without_mark(file)), "r", driver="fileobj") as unmarked,
-    ):
+    with _UnmarkedFile(path) as file, h5py.File(file, "r", driver="fileobj") as unmarked:
         yield unmarked
 
 
@@ -70,52 +66,34 @@ def _fields(path: Path) -> tuple[Any, ...]:
         return _FORM.unpack(file.read(_FORM.size))
 
 
-class _UnmarkedFile(io.RawIOBase):
+class _UnmarkedFile(io.BufferedReader):
     """A file whose first bytes are replaced; reading beyond its end is an error."""
 
-    def __init__(self, file: BinaryIO, first: bytes) -> None:
-        self._file = file
-        self._first = first
+    def __init__(self, path: Path) -> None:
+        super().__init__(io.FileIO(path))
+        self._first = _without_mark(self)
 
-    def seekable(self) -> bool:
-        """Always True."""
-        return True
-
-    def readable(self) -> bool:
-        """Always True."""
-        return True
-
-    def seek(self, offset: int, whence: int = io.SEEK_SET, /) -> int:
-        """As for the file."""
-        return self._file.seek(offset, whence)
-
-    def tell(self) -> int:
-        """As for the file."""
-        return self._file.tell()
-
-    def readinto(self, buffer: Any, /) -> int:
+    def readinto(self, buffer: WriteableBuffer, /) -> int:
         """The bytes of the file with the first ones replaced; OSError where it is truncated."""
-        begin, wanted = self._file.tell(), len(buffer)
-        content = self._file.read(wanted)
-        if len(content) < wanted:
+        begin, wanted = self.tell(), memoryview(buffer).nbytes
+        if super().readinto(buffer) < wanted:
             raise OSError(f"truncated: {wanted} bytes at {begin} are missing")
-        if begin < len(self._first):
-            content = self._first[begin : begin + wanted] + content[max(0, len(self._first) - begin) :]
-        buffer[:] = content
+        first = self._first[begin : begin + wanted]
+        memoryview(buffer).cast("B")[: len(first)] = first
         return wanted
 
 
-def _without_mark(file: BinaryIO) -> bytes:
+def _without_mark(file: io.BufferedReader) -> bytes:
     """The first bytes of a file, without the mark, with the actual length; error if damaged or truncated."""
     first = file.read(_LENGTH)
     size = file.seek(0, io.SEEK_END)
     if len(first) < _LENGTH:
-        raise DamagedSuperblockError("the file is truncated")
+        raise ValueError("the file is truncated")
     signature, version, offsets, lengths, _, base, extension, end, root = _FORM.unpack(first[: _FORM.size])
     if int.from_bytes(first[_FORM.size :], "little") != lookup3(first[: _FORM.size]):
-        raise DamagedSuperblockError("the checksum of its first bytes does not match")
+        raise ValueError("the checksum of its first bytes does not match")
     if end > size:
-        raise DamagedSuperblockError(f"the file is truncated: {size} of {end} bytes are present")
+        raise ValueError(f"the file is truncated: {size} of {end} bytes are present")
     plain = _FORM.pack(signature, version, offsets, lengths, 0, base, extension, size, root)
     return plain + lookup3(plain).to_bytes(4, "little")
 
