@@ -27,11 +27,6 @@ def unsealed(path: Path) -> bytes:
     return content
 
 
-def has_seal(path: Path) -> bool:
-    """Whether a file ends in a seal, valid or not."""
-    return seal_of(path).startswith(_MARK)
-
-
 def seal_of(path: Path) -> bytes:
     """The last bytes of a file: sealed files with equal seals have equal contents."""
     with path.open("rb") as file:
@@ -39,17 +34,14 @@ def seal_of(path: Path) -> bytes:
         return file.read()
 
 
-def is_seal_broken(path: Path) -> bool:
-    """Whether a file has a seal that does not match its content; False where it has none."""
+def seal_matches(path: Path) -> bool | None:
+    """Whether the seal of a file matches its content; None where it has no seal."""
+    seal = seal_of(path)
+    if not seal.startswith(_MARK):
+        return None
+    found, left = hashlib.sha256(), path.stat().st_size - _LENGTH
     with path.open("rb") as file:
-        left = max(0, path.stat().st_size - _LENGTH)
-        file.seek(left)
-        seal = file.read()
-        if not seal.startswith(_MARK):
-            return False
-        file.seek(0)
-        found = hashlib.sha256()
         while left and (block := file.read(min(left, _BLOCK))):
             found.update(block)
             left -= len(block)
-    return seal != _MARK + found.hexdigest().encode()
+    return seal == _MARK + found.hexdigest().encode()

@@ -37,9 +37,8 @@ from supple.copied_hdf5 import open_copied
 from supple.errors import ModelError, ResultFileError
 from supple.reduction import CondensedMotion, ReducedBody, ReductionReport
 from supple.reduction.reduced_body import ReducedInterface
-from supple.storage.atomic_write import replacing
 from supple.storage.file_errors import DAMAGE, file_errors
-from supple.storage.file_seal import has_seal, is_seal_broken, sealed
+from supple.storage.file_seal import seal_matches
 from supple.storage.hdf5_record import (
     read_array,
     read_group,
@@ -48,6 +47,7 @@ from supple.storage.hdf5_record import (
     store_array,
     store_record,
 )
+from supple.storage.sealed_hdf5 import writing_sealed
 
 __all__ = ["holds_reduced_body", "read_interface_names", "read_reduced_body", "write_reduced_body"]
 
@@ -68,6 +68,7 @@ _ARRAYS = (
     "rotation_basis",
     "frequencies",
 )
+_OPTIONAL = ("cubic", "quartic", "damping_cubic", "damping_quartic", "rotation_basis")
 
 
 @checked_arguments
@@ -79,8 +80,7 @@ def write_reduced_body(path: Path | str, body: ReducedBody) -> Path:
     ModelError          a user-defined frame, which the format does not include
     ResultFileError     the file cannot be written
     """
-    # Built in memory, because HDF5 does not survive a failed write: see `disk_space`.
-    with h5py.File("image", "w", driver="core", backing_store=False) as file:
+    with writing_sealed(Path(path)) as file:
         file.attrs.update({"format": FORMAT, "version": VERSION, "name": body.name})
         file.attrs.update(_frame_attributes(body))
         file.attrs["rotation_limit"] = body.rotation_limit
@@ -92,10 +92,6 @@ def write_reduced_body(path: Path | str, body: ReducedBody) -> Path:
         if body.condensed is not None:
             store_record(file.create_group("condensed"), body.condensed)
         store_record(file.create_group("report"), body.report)
-        file.flush()
-        image = file.id.get_file_image()
-    with replacing(path) as temporary:
-        temporary.write_bytes(sealed(image))
     return Path(path)
 
 
@@ -108,24 +104,18 @@ def read_reduced_body(path: Path | str) -> ReducedBody:
     ResultFileError     a missing file, no reduced body, a newer version, a damaged file
     """
     with _open(Path(path)) as file:
+        found: dict[str, Any] = {
+            name: None if name in _OPTIONAL and name not in file else _finite(file, name) for name in _ARRAYS
+        }
+        if "condensed" in file:
+            found["condensed"] = read_record(read_group(file, "condensed"), CondensedMotion)
         return ReducedBody(
             name=_text(file.attrs["name"]),
             frame=_frame(file.attrs),
-            gram=_finite(file, "gram"),
-            stiffness=_finite(file, "stiffness"),
-            cubic=_array_or_none(file, "cubic"),
-            quartic=_array_or_none(file, "quartic"),
-            damping=_finite(file, "damping"),
-            damping_cubic=_array_or_none(file, "damping_cubic"),
-            damping_quartic=_array_or_none(file, "damping_quartic"),
             interfaces=tuple(_interface(group) for group in _interface_groups(file)),
-            nodes=_finite(file, "nodes"),
-            nodal_basis=_finite(file, "nodal_basis"),
-            rotation_basis=_array_or_none(file, "rotation_basis"),
             rotation_limit=read_number(file, "rotation_limit"),
-            frequencies=_finite(file, "frequencies"),
             report=read_record(read_group(file, "report"), ReductionReport),
-            condensed=_condensed_or_none(file),
+            **found,
         )
 
 
@@ -141,9 +131,10 @@ def holds_reduced_body(path: Path | str) -> bool:
     if not path.is_file() or not h5py.is_hdf5(path):
         return False
     try:
-        if is_seal_broken(path):
+        seal = seal_matches(path)
+        if seal is False:
             return True  # read_reduced_body reports the damage
-        with _content(path, ()) as file:
+        with _content(path, seal, ()) as file:
             return file.attrs.get("format") == FORMAT
     except DAMAGE:
         return False
@@ -161,11 +152,11 @@ def _open(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.Fil
     if not h5py.is_hdf5(path):
         raise ResultFileError(f"cannot read {path}: not an HDF5 file, so not a reduced body; check the path")
     with file_errors("read", path, note="; if it was copied, copy it again"):
-        is_damaged = is_seal_broken(path)
+        seal = seal_matches(path)
     try:
-        if is_damaged:
+        if seal is False:
             raise ValueError("its bytes have changed since it was written")
-        with _content(path, parts) as file:
+        with _content(path, seal, parts) as file:
             _check_format(path, file.attrs)
             yield file
     except ResultFileError:
@@ -173,12 +164,16 @@ def _open(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.Fil
     # A wrong checksum is an OSError of HDF5, and a missing part a KeyError. Parts that do not fit each other,
     # or are not finite, raise the ModelError of the body itself.
     except DAMAGE as error:
-        raise _damaged(path, error) from error
+        raise ResultFileError(
+            f"{path} is damaged ({error}): copy it again, or reduce the body again"
+        ) from error
 
 
-def _content(path: Path, parts: Collection[str] | None) -> AbstractContextManager[h5py.File]:
+def _content(
+    path: Path, seal: bool | None, parts: Collection[str] | None
+) -> AbstractContextManager[h5py.File]:
     """The content of a file with a valid seal, or without one; HDF5 itself may hang on a damaged file."""
-    return h5py.File(path, "r", locking=False) if has_seal(path) else open_copied(path, parts)
+    return h5py.File(path, "r", locking=False) if seal else open_copied(path, parts)
 
 
 def _check_format(path: Path, attributes: h5py.AttributeManager) -> None:
@@ -197,10 +192,6 @@ def _check_format(path: Path, attributes: h5py.AttributeManager) -> None:
         )
 
 
-def _damaged(path: Path, error: Exception) -> ResultFileError:
-    return ResultFileError(f"{path} is damaged ({error}): copy it again, or reduce the body again")
-
-
 def _finite(group: h5py.Group, name: str) -> np.ndarray:
     array = read_array(group, name)
     if not np.isfinite(array).all():
@@ -208,18 +199,10 @@ def _finite(group: h5py.Group, name: str) -> np.ndarray:
     return array
 
 
-def _array_or_none(file: h5py.File, name: str) -> np.ndarray | None:
-    return _finite(file, name) if name in file else None
-
-
 def _interface(group: h5py.Group) -> ReducedInterface:
     for name in ("position", "motion"):
         _finite(group, name)
     return read_record(group, ReducedInterface)
-
-
-def _condensed_or_none(file: h5py.File) -> CondensedMotion | None:
-    return read_record(read_group(file, "condensed"), CondensedMotion) if "condensed" in file else None
 
 
 def _interface_groups(file: h5py.File) -> list[h5py.Group]:

@@ -11,7 +11,7 @@ import h5py
 from supple.errors import ResultFileError
 from supple.storage.atomic_write import replacing
 from supple.storage.file_errors import DAMAGE, file_errors
-from supple.storage.file_seal import has_seal, is_seal_broken, sealed
+from supple.storage.file_seal import seal_matches, sealed
 
 __all__ = ["is_whole", "open_sealed", "writing_sealed"]
 
@@ -34,7 +34,7 @@ def writing_sealed(path: Path) -> Iterator[h5py.File]:
 def is_whole(path: Path) -> bool:
     """Whether a file exists whose seal matches its bytes."""
     try:
-        return has_seal(path) and not is_seal_broken(path)
+        return seal_matches(path) is True
     except OSError:
         return False
 
