@@ -14,8 +14,8 @@ from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, Revolute, System, Table
 from supple.mesh import CellType, block
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
-from supple.simulation import begin_recorded, continue_recorded, simulate, simulate_recorded
-from supple.storage import read_header
+from supple.simulation import simulate, simulate_recorded
+from supple.storage import ResultFile, read_header
 
 RUN = Run(duration=1.0, output_step=0.05)
 
@@ -74,27 +74,26 @@ def test_another_run_is_not_overwritten(tmp_path, pendulum):
 
 def test_a_run_begun_anew_replaces_the_one_that_is_there(tmp_path, pendulum):
     path = tmp_path / "run.h5"
-    begin_recorded(pendulum, RUN, path, case="long")
+    simulate_recorded(pendulum, RUN, path, case="long")
     shorter = Run(duration=0.2, output_step=0.1)
-    with pytest.raises(
-        ResultFileError, match="it contains a finished run; give overwrite=True to replace it"
-    ):
-        begin_recorded(pendulum, shorter, path, case="short")
+    with pytest.raises(ResultFileError, match="set overwrite=True to replace it"):
+        simulate_recorded(pendulum, shorter, path, case="short")
+    with pytest.raises(ResultFileError, match="it contains a finished run; give overwrite=True to replace"):
+        ResultFile.create(path, case="short")
     assert read_header(path).case == "long"
-    short = begin_recorded(pendulum, shorter, path, case="short", metadata={"title": "b"}, overwrite=True)
+    short = simulate_recorded(pendulum, shorter, path, case="short", overwrite=True)
     np.testing.assert_allclose(short.times, [0.0, 0.1, 0.2])
     header = read_header(path)
-    metadata = {"title": "b", "pin: second end": "bar.pin"}
-    assert (header.case, header.metadata, header.n_times) == ("short", metadata, 3)
+    assert (header.case, header.metadata, header.n_times) == ("short", {"pin: second end": "bar.pin"}, 3)
 
 
 def test_only_what_was_cut_off_can_be_continued(tmp_path, pendulum):
     path = tmp_path / "run.h5"
     with pytest.raises(ResultFileError, match=r"run\.h5"):
-        continue_recorded(pendulum, RUN, path, case="pendulum")
-    begin_recorded(pendulum, RUN, path, case="pendulum")
+        ResultFile.resume(path, case="pendulum")
+    simulate_recorded(pendulum, RUN, path, case="pendulum")
     with pytest.raises(ResultFileError, match="its run is complete"):
-        continue_recorded(pendulum, RUN, path, case="pendulum")
+        ResultFile.resume(path, case="pendulum")
 
 
 def test_a_load_table_shorter_than_the_run_is_refused_at_its_start(tmp_path):
@@ -161,6 +160,5 @@ def test_a_motion_is_never_taken_for_one_on_other_columns(tmp_path):
     first = simulate_recorded(System(bodies=(Placed(body),)), run, path, case="bar")
     again = simulate_recorded(System(bodies=(Placed(nearly),)), run, path, case="bar")
     assert again.statistics == first.statistics
-    for proceed in (simulate_recorded, continue_recorded):
-        with pytest.raises(ResultFileError, match="motion of body 'bar' in 2 columns that are not those"):
-            proceed(System(bodies=(Placed(flipped),)), run, path, case="bar")
+    with pytest.raises(ResultFileError, match="motion of body 'bar' in 2 columns that are not those"):
+        simulate_recorded(System(bodies=(Placed(flipped),)), run, path, case="bar")

@@ -31,7 +31,7 @@ from supple.importers import (
 )
 from supple.importers.time_table import read_time_table
 from supple.results.descriptions import describe_result
-from supple.simulation import begin_recorded
+from supple.simulation import simulate_recorded
 from supple.storage import (
     ResultFile,
     holds_reduced_body,
@@ -688,7 +688,7 @@ def _make_results(folder: Path) -> None:
     (folder / "case.toml").write_text(_RIGID, encoding="utf-8")
     case = read_case(folder / "case.toml")
     whole = folder / "run.h5"
-    solution = begin_recorded(case.system, case.run, whole, case=case.text, metadata={"title": case.title})
+    solution = simulate_recorded(case.system, case.run, whole, case=case.text)
     with ResultFile.create(folder / "begun.h5", case=case.text, inputs=read_header(whole).inputs) as begun:
         begun.append(solution.at(slice(0, 1)))
         begun.append(solution.at(slice(1, 2)))

@@ -20,8 +20,7 @@ from supple.errors import ResolutionWarning, ResultFileError, StartWarning, Vali
 from supple.integrate import Run, StepProgress, Validity
 from supple.machine import System
 from supple.simulation import store_bodies
-from supple.simulation.recorded_columns import columns_of
-from supple.simulation.recorded_run import joint_ends
+from supple.simulation.recorded_run import motion_metadata
 from supple.simulation.watched_run import report_resolution, warn_of_unseen_laws
 from supple.storage import ResultFile, write_solution
 from supple.storage.exclusive_lock import ExclusiveLock
@@ -80,9 +79,8 @@ def correct_recorded(
         corrected, rounds = _corrected(system, run, starts, archive, announce, accepted, progress, study)
         metadata = {
             **metadata,
-            **joint_ends(system),
+            **motion_metadata(corrected.system),
             "self_correction": json.dumps(correction_numbers(rounds)),
-            **columns_of(corrected.system),
             **errors_metadata(corrected.solution.errors),
         }
         # The motion is written last: if its file exists, the files of the bodies exist.

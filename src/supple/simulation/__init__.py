@@ -10,3 +10,4 @@ from supple.simulation.recorded_run import *
 from supple.simulation.simulate import *
 from supple.simulation.start import *
 from supple.simulation.stored_bodies import *
+from supple.simulation.stored_run import *
