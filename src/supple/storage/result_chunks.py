@@ -128,7 +128,7 @@ def _commit(file: h5py.File, ledger: Ledger, arrays: Mapping[str, Array], chunk:
     number, n_times = len(ledger.rows), len(arrays["times"])
     state = {key: np.asarray(chunk.engine_state[key], dtype=np.float64) for key in ledger.layout.engine_state}
     row = np.concatenate([[ledger.n_times, n_times], statistics_row(chunk.statistics)])
-    content = content_seal(arrays, state)
+    content = content_seal({path: (array.shape, [array]) for path, array in arrays.items()}, state)
     sealed = row_seal(ledger.header, number, row, content)
     # A chunk is valid once its row is written; therefore the seals are written first.
     _set_row(ledger.dataset(file, "seals/chunks"), number, np.frombuffer(content + sealed, np.uint8))

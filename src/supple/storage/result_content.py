@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -22,7 +23,7 @@ from supple.storage.file_errors import DAMAGE
 from supple.storage.result_seals import (
     NO_END,
     SIZE,
-    SeriesRows,
+    Rows,
     content_seal,
     end_seal,
     header_seal,
@@ -57,6 +58,10 @@ def _errors(text: str) -> dict[str, ErrorStatement]:
     return {name: ErrorStatement.from_plain(numbers) for name, numbers in json.loads(text).items()}
 
 
+_BLOCK_BYTES = 2**24
+"""Bytes of an array that are read and hashed at a time."""
+
+
 class DamagedResultError(ResultFileError):
     """A result file whose bytes have changed since it was written."""
 
@@ -86,23 +91,6 @@ class Layout:
     engine_state: Mapping[str, tuple[int, ...]]
 
 
-@dataclass(frozen=True)
-class _RowsOf:
-    """Rows of a dataset from `begin` to before `end`, read when sliced."""
-
-    dataset: h5py.Dataset
-    begin: int
-    end: int
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        return self.end - self.begin, *self.dataset.shape[1:]
-
-    def __getitem__(self, rows: slice) -> Array:
-        begin, end, _ = rows.indices(self.end - self.begin)
-        return self.dataset[self.begin + begin : self.begin + end]
-
-
 class ResultContent:
     """An open result file with checked format and header.
 
@@ -115,13 +103,13 @@ class ResultContent:
         try:
             texts = {name: self._text(name) for name in TEXTS}
             self._seal = header_seal(texts)
-            if self._bytes("seals/header").tobytes() != self._seal:
+            if self._read_seal("seals/header") != self._seal:
                 raise ValueError("its case, metadata or inputs have changed since it was written")
             self._texts = texts
             self._layout = layout_of(json.loads(texts["layout"]))
             self._rows, self._row_seals = self._read_rows()
-            self._end = self._bytes("seals/end").tobytes()
-            self._is_marked_complete = bool(self._checked("complete", np.dtype(np.int64), ())[()])
+            self._end = self._read_seal("seals/end")
+            self._is_marked_complete = bool(self._checked("complete", (), np.int64)[()])
         except DAMAGE as error:
             raise damaged(path, error) from error
 
@@ -156,12 +144,13 @@ class ResultContent:
         self._check_not_empty()
         try:
             # Read at once where nothing is damaged, because reading chunk by chunk is slow.
-            arrays, states = self._arrays(0, header.n_times), self._states()
+            arrays, states = self._arrays(0, header.n_times), self._states(0, len(self._rows))
             state: dict[str, Array] = {}
-            for number, (begin, end) in enumerate(self._spans()):
+            for number, span in enumerate(self._spans()):
                 state = {key: own[number].copy() for key, own in states.items()}
-                own_rows = {path: array[begin:end] for path, array in arrays.items()}
-                self._check_content(number, own_rows, state)
+                self._check_content(
+                    number, {path: array[slice(*span)] for path, array in arrays.items()}, state
+                )
         except DAMAGE as error:
             broken = dict(self._broken())
             raise (self._chunks_damaged(broken) if broken else error) from error
@@ -202,25 +191,32 @@ class ResultContent:
     @property
     def row_bytes(self) -> int:
         """Number of bytes per output time."""
-        return 8 * sum(int(np.prod(shape)) for shape in self._layout.arrays.values())
+        return 8 * sum(math.prod(shape) for shape in self._layout.arrays.values())
 
     @property
     def times(self) -> Array:
         """All output times, (t,); errors as for `solution`."""
         n_times = self.header.n_times
         self._check_not_empty()
-        return self._checked("times", np.dtype(np.float64), (), rows=n_times)[:n_times]
+        return self._checked("times", (), rows=n_times)[:n_times]
 
     def _check_sound(self, number: int, span: tuple[int, int]) -> None:
         """Check the seal of a chunk, block by block; DamagedResultError if it does not match."""
         try:
             rows = {
-                path: _RowsOf(self._checked(path, np.dtype(np.float64), shape, rows=span[1]), *span)
+                path: ((span[1] - span[0], *shape), self._blocks(path, shape, *span))
                 for path, shape in self._layout.arrays.items()
             }
-            self._check_content(number, rows, self._state(number))
+            self._check_seal(number, rows, self._state(number))
         except DAMAGE as error:
             raise self._chunks_damaged({number: str(error)}) from error
+
+    def _blocks(self, path: str, shape: tuple[int, ...], begin: int, end: int) -> Iterator[Array]:
+        """The rows of an array in a range, some at a time."""
+        found = self._checked(path, shape, rows=end)
+        n_rows = max(1, _BLOCK_BYTES // (8 * max(1, math.prod(shape))))
+        for start in range(begin, end, n_rows):
+            yield found[start : min(start + n_rows, end)]
 
     def sound_part(self) -> Solution:
         """The undamaged chunks, one after the other."""
@@ -235,7 +231,7 @@ class ResultContent:
     def _check_format(self) -> None:
         try:
             attributes = self._file.attrs
-            if _plain(attributes.get("format")) != FORMAT:
+            if attributes.get("format") not in (FORMAT, FORMAT.encode()):
                 raise not_ours(self._path)
             version = int(str(attributes.get("version", 0)))
         except DAMAGE as error:
@@ -254,10 +250,10 @@ class ResultContent:
 
     def _read_rows(self) -> tuple[Array, list[bytes]]:
         """Rows of `commits` with their seals; an unfinished last row is zero."""
-        rows = self._checked("commits", np.dtype(np.float64), (N_COLUMNS,))[()]
+        rows = self._checked("commits", (N_COLUMNS,))[()]
         written = np.flatnonzero((rows != 0.0).any(axis=1))
         rows = rows[: written[-1] + 1 if len(written) else 0]
-        seals = self._checked("seals/chunks", np.dtype(np.uint8), (2 * SIZE,))[: len(rows)]
+        seals = self._checked("seals/chunks", (2 * SIZE,), np.uint8)[: len(rows)]
         if len(seals) != len(rows):
             raise ValueError(f"{len(seals)} seals for {len(rows)} chunks")
         self._content_seals = [seal[:SIZE].tobytes() for seal in seals]
@@ -271,10 +267,11 @@ class ResultContent:
         for begin, n_times in self._rows[:, :2].astype(int).tolist():
             yield begin, begin + n_times
 
-    def _check_content(
-        self, number: int, arrays: Mapping[str, SeriesRows], state: Mapping[str, Array]
-    ) -> None:
-        if content_seal(arrays, state) != self._content_seals[number]:
+    def _check_content(self, number: int, arrays: Mapping[str, Array], state: Mapping[str, Array]) -> None:
+        self._check_seal(number, {path: (own.shape, [own]) for path, own in arrays.items()}, state)
+
+    def _check_seal(self, number: int, rows: Mapping[str, Rows], state: Mapping[str, Array]) -> None:
+        if content_seal(rows, state) != self._content_seals[number]:
             raise ValueError("its numbers have changed")
 
     def _chunk(self, number: int, *, last_only: bool = False) -> Solution:
@@ -310,24 +307,19 @@ class ResultContent:
     def _arrays(self, begin: int, end: int) -> dict[str, Array]:
         """A range of rows of all arrays, by path."""
         return {
-            path: self._checked(path, np.dtype(np.float64), shape, rows=end)[begin:end]
+            path: self._checked(path, shape, rows=end)[begin:end]
             for path, shape in self._layout.arrays.items()
         }
 
-    def _state(self, number: int) -> dict[str, Array]:
-        """The state of the engine at the end of a chunk."""
+    def _states(self, begin: int, end: int) -> dict[str, Array]:
+        """The states of the engine at the ends of a range of chunks, one per row."""
         return {
-            key: self._checked(f"engine_state/{key}", np.dtype(np.float64), shape, rows=number + 1)[number]
+            key: self._checked(f"engine_state/{key}", shape, rows=end)[begin:end]
             for key, shape in self._layout.engine_state.items()
         }
 
-    def _states(self) -> dict[str, Array]:
-        """The states of the engine at the ends of all chunks, one per row."""
-        n = len(self._rows)
-        return {
-            key: self._checked(f"engine_state/{key}", np.dtype(np.float64), shape, rows=n)[:n]
-            for key, shape in self._layout.engine_state.items()
-        }
+    def _state(self, number: int) -> dict[str, Array]:
+        return {key: own[0] for key, own in self._states(number, number + 1).items()}
 
     def _text(self, name: str) -> str:
         found = dataset(self._file, name)
@@ -336,17 +328,19 @@ class ResultContent:
         self._check_room(found, 1)
         return bytes(found[()]).decode()
 
-    def _bytes(self, name: str) -> np.ndarray:
-        return np.asarray(self._checked(name, np.dtype(np.uint8), (), rows=SIZE)[()])
+    def _read_seal(self, name: str) -> bytes:
+        return self._checked(name, (), np.uint8)[()].tobytes()
 
     def _checked(
-        self, name: str, kind: np.dtype, row_shape: tuple[int, ...], rows: int | None = None
+        self, name: str, row_shape: tuple[int, ...], kind: type = np.float64, rows: int | None = None
     ) -> h5py.Dataset:
         """The dataset with that name, with the expected type and shape of rows, not larger than the file."""
         found = dataset(self._file, name)
         shape = found.shape[1:] if found.ndim else ()
         if found.dtype != kind or shape != row_shape:
-            raise TypeError(f"{name} has rows of {found.dtype} {shape} instead of {kind} {row_shape}")
+            raise TypeError(
+                f"{name} has rows of {found.dtype} {shape} instead of {np.dtype(kind)} {row_shape}"
+            )
         n_rows = found.shape[0] if found.ndim else 1
         if rows is not None and n_rows < rows:
             raise ValueError(f"{name} has {n_rows} rows instead of {rows}")
@@ -356,9 +350,9 @@ class ResultContent:
     def _check_room(self, found: h5py.Dataset, rows: int) -> None:
         """Check sizes before memory is allocated: no array, and no block, is longer than the file."""
         itemsize = found.dtype.itemsize
-        claims = [rows * int(np.prod(found.shape[1:], dtype=object)) * itemsize]
+        claims = [rows * math.prod(found.shape[1:]) * itemsize]
         if claims[0] and found.chunks is not None:
-            claims.append(int(np.prod(found.chunks, dtype=object)) * itemsize)
+            claims.append(math.prod(found.chunks) * itemsize)
         if max(claims) > self._size:
             raise ValueError(
                 f"{found.name} has {max(claims)} bytes, more than the {self._size} bytes of the file"
@@ -380,10 +374,6 @@ def dataset(file: h5py.File, name: str) -> h5py.Dataset:
     if not isinstance(found, h5py.Dataset):
         raise KeyError(f"{name} is not a dataset")
     return found
-
-
-def _plain(text: Any) -> Any:
-    return text.decode(errors="replace") if isinstance(text, bytes) else text
 
 
 def not_ours(path: Path) -> ResultFileError:

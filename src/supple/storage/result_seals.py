@@ -11,8 +11,8 @@ Each part is hashed together with its name and shape, so that different files ha
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, Protocol
+import math
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -24,20 +24,8 @@ SIZE = hashlib.sha256().digest_size
 NO_END = bytes(SIZE)
 """Seal of the end until the run is complete."""
 
-
-_BLOCK_BYTES = 2**24
-"""Bytes of an array that are hashed at a time."""
-
-
-class SeriesRows(Protocol):
-    """64-bit numbers (t, ...): an array, or rows of a dataset, which are read when sliced."""
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """(t, ...)"""
-        ...
-
-    def __getitem__(self, rows: Any, /) -> Array: ...
+Rows = tuple[tuple[int, ...], Iterable[Array]]
+"""Shape (t, ...) of rows of 64-bit numbers, and the rows, some at a time."""
 
 
 def header_seal(texts: Mapping[str, str]) -> bytes:
@@ -45,12 +33,12 @@ def header_seal(texts: Mapping[str, str]) -> bytes:
     return _digest(_whole(name, text.encode()) for name, text in texts.items())
 
 
-def content_seal(arrays: Mapping[str, SeriesRows], engine_state: Mapping[str, Array]) -> bytes:
+def content_seal(arrays: Mapping[str, Rows], engine_state: Mapping[str, Array]) -> bytes:
     """Seal of a chunk: the rows of its arrays, by path, and the engine's state at its end, by key."""
-    parts: list[tuple[str, SeriesRows]] = [(f"array {path}", array) for path, array in sorted(arrays.items())]
-    parts += [(f"state {key}", value) for key, value in sorted(engine_state.items())]
+    parts = [(f"array {path}", *rows) for path, rows in sorted(arrays.items())]
+    parts += [(f"state {key}", value.shape, [value]) for key, value in sorted(engine_state.items())]
     return _digest(
-        (f"{name} {rows.shape}", 8 * int(np.prod(rows.shape)), _blocks(rows)) for name, rows in parts
+        (f"{name} {shape}", 8 * math.prod(shape), map(_bytes, blocks)) for name, shape, blocks in parts
     )
 
 
@@ -64,16 +52,6 @@ def row_seal(header: bytes, number: int, row: Array, content: bytes) -> bytes:
 def end_seal(header: bytes, rows: Iterable[bytes]) -> bytes:
     """Seal of a complete run."""
     return _digest([_whole("header", header), _whole("rows", b"".join(rows))])
-
-
-def _blocks(rows: SeriesRows) -> Iterator[memoryview]:
-    """The bytes of the rows, some rows at a time."""
-    if not rows.shape:
-        yield _bytes(rows[()])
-        return
-    n_rows = max(1, _BLOCK_BYTES // (8 * max(1, int(np.prod(rows.shape[1:])))))
-    for start in range(0, rows.shape[0], n_rows):
-        yield _bytes(rows[start : start + n_rows])
 
 
 def _bytes(array: Array) -> memoryview:
