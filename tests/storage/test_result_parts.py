@@ -7,7 +7,7 @@ from fixtures.runs_on_disk import bits
 
 from supple.errors import ResultFileError
 from supple.integrate.solution import concatenate
-from supple.storage import ResultFile, ResultParts, read_solution, result_parts
+from supple.storage import ResultFile, ResultParts, read_solution, result_reader
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def path(tmp_path):
 
 @pytest.mark.parametrize("n_bytes", [1, 2500, 2**26])
 def test_parts_are_the_run(path, n_bytes, monkeypatch):
-    monkeypatch.setattr(result_parts, "_PART_BYTES", n_bytes)
+    monkeypatch.setattr(result_reader, "_PART_BYTES", n_bytes)
     parts = ResultParts(path)
     assert len(list(parts)) == {1: 12, 2500: 3, 2**26: 1}[n_bytes]
     whole = read_solution(path)
@@ -32,7 +32,7 @@ def test_parts_are_the_run(path, n_bytes, monkeypatch):
 
 @pytest.mark.parametrize("n_bytes", [1, 2500, 2**26])
 def test_chosen_times_are_those_of_the_run(path, n_bytes, monkeypatch):
-    monkeypatch.setattr(result_parts, "_PART_BYTES", n_bytes)
+    monkeypatch.setattr(result_reader, "_PART_BYTES", n_bytes)
     rows = np.array([0, 6, 7, 11])
     parts = ResultParts(path, rows)
     assert bits(concatenate(list(parts))) == bits(read_solution(path).at(rows))
@@ -44,7 +44,7 @@ def test_chosen_times_are_those_of_the_run(path, n_bytes, monkeypatch):
 
 
 def test_a_damaged_chunk_is_found_before_it_is_given_out(path, monkeypatch):
-    monkeypatch.setattr(result_parts, "_PART_BYTES", 1)
+    monkeypatch.setattr(result_reader, "_PART_BYTES", 1)
     parts = ResultParts(path)
     wrong = read_solution(path).bodies["hub"].position[-1].tobytes()
     content = path.read_bytes()

@@ -5,5 +5,4 @@ from supple.storage.json_report import *
 from supple.storage.reduced_body_hdf5 import *
 from supple.storage.result_content import *
 from supple.storage.result_file import *
-from supple.storage.result_parts import *
 from supple.storage.result_reader import *

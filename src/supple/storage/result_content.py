@@ -54,10 +54,6 @@ def errors_metadata(errors: Mapping[str, ErrorStatement]) -> Metadata:
     return {ERRORS: json.dumps({name: each.plain() for name, each in errors.items()})} if errors else {}
 
 
-def _errors(text: str) -> dict[str, ErrorStatement]:
-    return {name: ErrorStatement.from_plain(numbers) for name, numbers in json.loads(text).items()}
-
-
 _BLOCK_BYTES = 2**24
 """Bytes of an array that are read and hashed at a time."""
 
@@ -156,8 +152,8 @@ class ResultContent:
             raise (self._chunks_damaged(broken) if broken else error) from error
         solution = from_arrays(arrays, header.statistics, self._layout.kinds, state)
         solution = replace(solution, columns=json.loads(str(header.metadata.get(KEY, "{}"))))
-        stated = header.metadata.get(ERRORS)
-        return solution if stated is None else solution.with_errors(_errors(str(stated)))
+        errors = json.loads(str(header.metadata.get(ERRORS, "{}"))).items()
+        return solution.with_errors({name: ErrorStatement.from_plain(numbers) for name, numbers in errors})
 
     def last_instant(self) -> Solution:
         """The solution at the last output time."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TypeVar
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from supple.arguments import checked_arguments
 from supple.errors import ResultFileError
@@ -18,10 +18,13 @@ from supple.storage.file_errors import DAMAGE, file_errors
 from supple.storage.hdf5_superblock import is_current_hdf5, is_marked, open_unmarked
 from supple.storage.result_content import DamagedResultError, ResultContent, ResultHeader, damaged, not_ours
 
-__all__ = ["read_header", "read_last_instant", "read_solution", "read_sound_part", "read_times"]
+__all__ = ["ResultParts", "read_header", "read_last_instant", "read_solution", "read_sound_part"]
 
 # A reader may come between two writes of a run in progress: it tries again, for half a second in total.
 _PAUSES = (0.02, 0.08, 0.4)
+
+_PART_BYTES = 2**26
+"""Largest size of a part of `ResultParts`, bytes; a part has at least one output time."""
 
 _T = TypeVar("_T")
 
@@ -47,11 +50,6 @@ def read_solution(path: Path | str) -> Solution:
     return _read(Path(path), lambda content: content.solution())
 
 
-def read_times(path: Path | str) -> NDArray[np.float64]:
-    """The output times (t,) alone; errors as for `read_solution`."""
-    return _read(Path(path), lambda content: content.times)
-
-
 def read_last_instant(path: Path | str) -> Solution:
     """The last output time alone, a Solution of one row: the state for a continuation.
 
@@ -72,6 +70,42 @@ def read_sound_part(path: Path | str) -> Solution:
     ResultFileError     as for read_header; no undamaged part
     """
     return _read(Path(path), lambda content: content.sound_part())
+
+
+class ResultParts:
+    """Output times of a file that need not fit in memory; a loop yields Solutions of some of the times.
+
+        for part in ResultParts("blade.h5"): ...
+
+    path : path of the result file
+    rows : indices (k,) of output times, ascending, each once; by default all
+
+    Raises
+    ------
+    ResultFileError     as for `read_solution`; an index of an output time that does not exist; rows that are
+                        not ascending indices
+    """
+
+    def __init__(self, path: Path | str, rows: ArrayLike | None = None) -> None:
+        self.path = Path(path)
+        times = _read(self.path, lambda content: content.times)
+        self.rows: NDArray[np.int64] = np.arange(len(times)) if rows is None else np.asarray(rows)
+        if self.rows.ndim != 1 or self.rows.dtype.kind not in "iu" or (np.diff(self.rows) <= 0).any():
+            raise ResultFileError(
+                f"{self.path}: rows must be indices of output times, each once and ascending, such as "
+                "[0, 5, 10]; for a mask give np.flatnonzero(mask)"
+            )
+        beyond = self.rows[(self.rows < 0) | (self.rows >= len(times))]
+        if beyond.size:
+            raise ResultFileError(
+                f"{self.path} has {len(times)} output times, numbered from 0; there is no number {beyond[0]}"
+            )
+        self.times: NDArray[np.float64] = times[self.rows]
+
+    def __iter__(self) -> Iterator[Solution]:
+        with file_errors("read", self.path), open_unmarked(self.path) as file:
+            content = ResultContent(self.path, file, self.path.stat().st_size)
+            yield from content.parts(self.rows, max(1, _PART_BYTES // content.row_bytes))
 
 
 def _read(path: Path, wanted: Callable[[ResultContent], _T]) -> _T:
