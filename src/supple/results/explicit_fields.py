@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.integrate import Motion
+from supple.integrate import Solution
 from supple.methods.explicit import ExplicitShell, ExplicitSubdomain
 from supple.methods.explicit.motions import NodalMotion
+from supple.units import UnitSystem
 
-__all__ = ["PartStress", "element_means", "largest_part_stress"]
+__all__ = ["element_means", "largest_part_stress"]
 
 FloatArray = NDArray[np.float64]
 
@@ -37,24 +38,19 @@ def element_means(
     return ((values * alive) @ at_node) / np.maximum(alive @ at_node, 1.0)
 
 
-class PartStress(NamedTuple):
-    """Largest von Mises stress, Pa, and its time.
-
-    place : id of the cell;   point : (3,) centre of the undeformed cell, in the mesh axes
-    """
-
-    value: float
-    time: float
-    place: int
-    point: FloatArray
-
-
 def largest_part_stress(
-    body: ExplicitSubdomain | ExplicitShell, times: FloatArray, motion: Motion
-) -> PartStress:
-    """The largest stress over all cells and output times (t,)."""
-    mesh, sections, stress = body.mesh, body.model.sections, motion.of_type(NodalMotion).von_mises
+    body: ExplicitSubdomain | ExplicitShell, solution: Solution, units: UnitSystem
+) -> dict[str, Any]:
+    """The largest von Mises stress over all cells and output times, with its cell, place and time."""
+    mesh, sections = body.mesh, body.model.sections
+    stress = solution.motion(body.name, NodalMotion).von_mises
     row, cell = np.unravel_index(stress.argmax(), stress.shape)
     ids = np.concatenate([mesh.cell_ids[own.cell_type][own.cells] for own in sections])
     points = np.concatenate([own.corners(mesh).mean(axis=1) for own in sections])
-    return PartStress(float(stress[row, cell]), float(times[row]), int(ids[cell]), points[cell])
+    return {
+        "largest von Mises stress": float(stress[row, cell]),
+        "unit": units.stress,
+        "cell": int(ids[cell]),
+        "point": points[cell].tolist(),
+        "time": float(solution.times[row]),
+    }

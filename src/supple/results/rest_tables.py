@@ -2,54 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from supple.results.round_off import without_noise
-from supple.results.run_tables import TextTable, body_table, place_words
+from supple.results.run_tables import (
+    Numbers,
+    TextTable,
+    body_table,
+    by_axis,
+    load_scales,
+    sensor_table,
+    shown_error,
+)
 from supple.units import headed
 
 __all__ = ["rest_error_table", "rest_tables"]
 
 
-def rest_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
+def rest_tables(numbers: Numbers) -> list[TextTable]:
     """Tables of bodies, joint forces, positions, deflections and sensors; numbers from `summarize`."""
-    tables = [_joint_table(numbers), *_place_tables(numbers), _sensor_table(numbers)]
+    tables = [_joint_table(numbers), *_place_tables(numbers), sensor_table(numbers, at_rest=True)]
     return [body_table(numbers), *(table for table in tables if table.rows)]
 
 
-def _joint_table(numbers: Mapping[str, Any]) -> TextTable:
+def _joint_table(numbers: Numbers) -> TextTable:
     """Force and moment on the second end of each joint, along the axes of the joint."""
     joints, units = numbers["joints"], numbers["units"]
-    scales = {
-        what: [joint.get(f"largest {what}", 0.0) for joint in joints.values()] for what in ("force", "moment")
-    }
+    scales = load_scales(numbers)
     rows = []
     for name, joint in joints.items():
         shown = [
             without_noise(joint[f"last {what}"], like=scales[what]) if f"last {what}" in joint else [None] * 3
             for what in ("force", "moment")
         ]
-        rows += _by_axis([name, joint["acts on"]], *shown)
+        rows += by_axis([name, joint["acts on"]], *shown)
     heads = ("joint", "acts on", "axis of the joint", *(headed(what, units.get(what, "")) for what in scales))
     return TextTable("Joints", heads, rows)
 
 
-def _sensor_table(numbers: Mapping[str, Any]) -> TextTable:
-    """The value of each channel of each sensor, with its place if any sensor has one."""
-    sensors = numbers.get("sensors", {})
-    located = any("place" in reading for each in sensors.values() for reading in each.values())
-    rows = []
-    for name, channels in sensors.items():
-        for row, (channel, reading) in enumerate(channels.items()):
-            alike = [each["last"] for each in channels.values() if each["quantity"] == reading["quantity"]]
-            value = float(without_noise(reading["last"], like=alike))
-            where = [place_words(reading)] if located else []
-            rows.append([name if row == 0 else "", headed(channel, reading["unit"]), f"{value:.5g}", *where])
-    return TextTable("Sensors", ("sensor", "channel", "value", *(["where"] if located else [])), rows)
-
-
-def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
+def _place_tables(numbers: Numbers) -> list[TextTable]:
     """Positions of tracked places in global axes, and deflections of places on elastic bodies.
 
     A column gives the basis error if it is known for any place.
@@ -65,7 +57,7 @@ def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
         heads = ["place", *(["seen from"] if of_deflection else []), axis, headed(what, length)]
         rows = []
         for name, place in shown.items():
-            own = _by_axis(
+            own = by_axis(
                 [name, place["seen from"]] if of_deflection else [name],
                 without_noise(place[f"last {what}"], like=everywhere),
             )
@@ -84,30 +76,18 @@ def _error_words(error: Sequence[float] | None, like: Sequence[Any]) -> list[str
     return ["unknown"] * 3 if error is None else [f"{each:.2g}" for each in without_noise(error, like=like)]
 
 
-def _by_axis(head: Sequence[str], *values: Any) -> list[list[str]]:
-    """A row for each of x, y, z; only the first row has the cells of `head`."""
-    return [
-        [
-            *(head if axis == 0 else [""] * len(head)),
-            letter,
-            *("" if each[axis] is None else f"{each[axis]:.5g}" for each in values),
-        ]
-        for axis, letter in enumerate("xyz")
-    ]
-
-
-def rest_error_table(numbers: Mapping[str, Any]) -> TextTable:
+def rest_error_table(numbers: Numbers) -> TextTable:
     """Basis error of each reduced body at rest; `numbers["errors"]` from `EquilibriumError.plain`."""
     length = numbers["units"].get("length", "")
     rows = [
         [
             name,
-            _number(error["rms"]),
-            _number(error["worst"]),
-            _number(error["largest displacement"]),
+            shown_error(error["rms"]),
+            shown_error(error["worst"]),
+            shown_error(error["largest displacement"]),
             _percent(error["relative"]),
             _percent(error["strain"]),
-            _number(error["second sweep"]),
+            shown_error(error["second sweep"]),
         ]
         for name, error in numbers["errors"].items()
     ]
@@ -116,10 +96,6 @@ def rest_error_table(numbers: Mapping[str, Any]) -> TextTable:
         *(headed("of displacements up to", length), "worst, %", "strain, %", "second sweep / first"),
     )
     return TextTable("Error of the basis at rest", heads, rows)
-
-
-def _number(value: float | None) -> str:
-    return "unknown" if value is None else f"{value:.2e}"
 
 
 def _percent(value: float | None) -> str:

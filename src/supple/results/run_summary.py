@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from supple.arguments import checked_arguments
 from supple.body import BodyForm, FullBody
 from supple.fem import FiniteElementModel, cells_without_stress, has_stress
 from supple.integrate import FramedMotion, Motion, Solution, Statistics
 from supple.machine import System
+from supple.methods.explicit import ExplicitShell, ExplicitSubdomain, ModalSubdomain
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities.contact_force import contact_forces
 from supple.quantities.force_sensors import joint_loads, joint_meanings
@@ -89,8 +91,8 @@ def stress_numbers(
         model = elements.get(body.name)
         if model is None or not has_stress(model):
             continue
-        if not body.has_frame:
-            found[body.name] = _part_stress(body, solution, units)
+        if isinstance(body, ExplicitSubdomain | ExplicitShell):
+            found[body.name] = largest_part_stress(body, solution, units)
         elif body.n_coordinates:
             motion = solution.motion(body.name, FramedMotion)
             largest = largest_stress(body, model, motion.coordinates)
@@ -106,18 +108,6 @@ def stress_numbers(
     return found
 
 
-def _part_stress(body: Any, solution: Solution, units: UnitSystem) -> dict[str, Any]:
-    """The largest von Mises stress of explicit elements, with its time and cell."""
-    largest = largest_part_stress(body, solution.times, solution.bodies[body.name])
-    return {
-        "largest von Mises stress": largest.value,
-        "unit": units.stress,
-        "cell": largest.place,
-        "point": largest.point.tolist(),
-        "time": largest.time,
-    }
-
-
 def unit_names(units: UnitSystem) -> dict[str, str]:
     """Name of the unit of each quantity of a report; quantities whose unit has no name are left out."""
     named = {what: getattr(units, what) for what in _QUANTITIES} | {"frequency": units.frequency_shown.unit}
@@ -125,7 +115,7 @@ def unit_names(units: UnitSystem) -> dict[str, str]:
 
 
 def body_numbers(
-    body: Any,
+    body: BodyForm,
     units: UnitSystem = UNNAMED,
     full: FullBody | None = None,
     motion: Motion | None = None,
@@ -136,17 +126,18 @@ def body_numbers(
     full : full body of a reduced body; its frequencies are then given instead of those of the basis
     motion : motion of a part of an explicit run
     """
-    if motion is not None and body.kind in ("modal", "explicit"):
-        return {"kind": body.kind, **part_numbers(body, motion)}
-    return {"kind": body.kind, **_NUMBERS_OF.get(body.kind, _numbers_of_any)(body, units, full)}
-
-
-def _numbers_of_any(body: BodyForm, *_: Any) -> dict[str, Any]:
-    return {"mass": body.mass}
-
-
-def _numbers_of_full(body: FullBody, *_: Any) -> dict[str, Any]:
-    return {"nodes": len(body.nodes), "coordinates": body.n_coordinates}
+    match body:
+        case ModalSubdomain() | ExplicitSubdomain() | ExplicitShell() if motion is not None:
+            own = part_numbers(body, motion)
+        case IntrinsicBody():
+            own = _numbers_of_intrinsic(body, units)
+        case FullBody():
+            own = {"nodes": len(body.nodes), "coordinates": body.n_coordinates}
+        case ReducedBody():
+            own = _numbers_of_reduced(body, units, full)
+        case _:
+            own = {"mass": body.mass}
+    return {"kind": body.kind, **own}
 
 
 def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | None) -> dict[str, Any]:
@@ -179,12 +170,12 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | N
     }
 
 
-def _lowest(full: FullBody, constraint: Any) -> np.ndarray:
+def _lowest(full: FullBody, constraint: np.ndarray | csr_array) -> np.ndarray:
     """The lowest frequencies of the full body, rad/s, up to `N_FREQUENCIES`."""
     return full.body.lowest_frequencies(min(N_FREQUENCIES, full.body.n - constraint.shape[0]), constraint)
 
 
-def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem, _: Any) -> dict[str, Any]:
+def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem) -> dict[str, Any]:
     first, second = body.modes.orthonormality
     hertz, free = units.frequency_shown.unit, body.support.free.shape[1]
     lowest = _shown(body.modes.frequencies[:N_FREQUENCIES], units)
@@ -212,16 +203,6 @@ def _locking_numbers(locking: Locking) -> dict[str, Any]:
     }
 
 
-_NUMBERS_OF: Mapping[str, Callable[..., dict[str, Any]]] = MappingProxyType(
-    {
-        "intrinsic": _numbers_of_intrinsic,
-        "full": _numbers_of_full,
-        "reduced": _numbers_of_reduced,
-    }
-)
-"""Functions for the kinds of bodies with more data than a mass."""
-
-
 def _shown(omega: np.ndarray, units: UnitSystem) -> np.ndarray:
     return units.frequency_shown.factor * omega / (2 * np.pi)
 
@@ -243,27 +224,28 @@ def _place_numbers(place: TrackedMotion, times: np.ndarray) -> dict[str, Any]:
 def _joint_numbers(loads: Mapping[str, np.ndarray], times: np.ndarray) -> dict[str, Any]:
     numbers: dict[str, Any] = {}
     for what, components in loads.items():
-        size = np.linalg.norm(components, axis=1)
-        largest = int(np.argmax(size))
-        numbers[f"largest {what}"] = float(size[largest])
-        numbers[f"time of largest {what}"] = float(times[largest])
-        numbers[f"last {what}"] = components[-1]
+        numbers |= _peak_numbers(what, components, times)[1] | {f"last {what}": components[-1]}
     return numbers
 
 
 def _contact_numbers(force: np.ndarray, times: np.ndarray) -> dict[str, Any]:
-    size = np.linalg.norm(force, axis=1)
+    largest, numbers = _peak_numbers("force", force, times)
+    return numbers | {"components of largest force": force[largest]}
+
+
+def _peak_numbers(what: str, components: np.ndarray, times: np.ndarray) -> tuple[int, dict[str, float]]:
+    """Index of the largest magnitude of components (t, 3), and this magnitude with its time."""
+    size = np.linalg.norm(components, axis=1)
     largest = int(np.argmax(size))
-    return {
-        "largest force": float(size[largest]),
-        "time of largest force": float(times[largest]),
-        "components of largest force": force[largest],
+    return largest, {
+        f"largest {what}": float(size[largest]),
+        f"time of largest {what}": float(times[largest]),
     }
 
 
 def cost_numbers(cost: Statistics) -> dict[str, float]:
     """The cost of a run under the names of the JSON report."""
-    return {
+    numbers = {
         "steps": cost.steps,
         "iterations": cost.iterations,
         "cuts": cost.rejected_steps,
@@ -271,12 +253,7 @@ def cost_numbers(cost: Statistics) -> dict[str, float]:
         "compile_seconds": cost.compile_seconds,
         "largest local error of a step": cost.largest_error,
         "largest turn in a step, rad": cost.largest_turn,
-        **_tangent_numbers(cost),
     }
-
-
-def _tangent_numbers(cost: Statistics) -> dict[str, float]:
-    """Data of a run with a frozen tangent; empty for other runs."""
-    if not cost.factorizations or cost.contraction is None:
-        return {}
-    return {"factorizations": cost.factorizations, "residual left by an iteration": cost.contraction}
+    if cost.factorizations and cost.contraction is not None:  # a frozen tangent
+        numbers |= {"factorizations": cost.factorizations, "residual left by an iteration": cost.contraction}
+    return numbers

@@ -12,6 +12,9 @@ from supple.quantities.reading import point_words
 from supple.results.round_off import without_noise
 from supple.units import UNNAMED, UnitSystem, headed
 
+Numbers = Mapping[str, Any]
+"""Results under the names of a JSON report."""
+
 
 class TextTable(NamedTuple):
     """A table of plain text, without markup."""
@@ -21,26 +24,18 @@ class TextTable(NamedTuple):
     rows: Sequence[Sequence[str]]
 
 
-def motion_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
+def motion_tables(numbers: Numbers) -> list[TextTable]:
     """Tables of bodies, and of joints, contacts, places, stress, sensors and energies, if any.
 
     numbers : from `summarize`, with those of `stress_numbers` and of sensors
     """
-    tables = [body_table(numbers), joint_table(numbers)]
-    if numbers.get("contacts"):
-        tables.append(contact_table(numbers))
-    if numbers["tracked"]:
-        tables += [motion_table(numbers), place_table(numbers)]
-    if numbers.get("stress"):
-        tables.append(stress_table(numbers))
-    if numbers.get("sensors"):
-        tables.append(sensor_table(numbers))
+    tables = [body_table, joint_table, contact_table, motion_table, place_table, stress_table, sensor_table]
     if numbers.get("energies"):
-        tables += [part_table(numbers), energy_table(numbers)]
-    return [table for table in tables if table.rows]
+        tables += [part_table, energy_table]
+    return [table for of_numbers in tables if (table := of_numbers(numbers)).rows]
 
 
-def stress_table(numbers: Mapping[str, Any]) -> TextTable:
+def stress_table(numbers: Numbers) -> TextTable:
     """The largest stress of each body; numbers from `stress_numbers`."""
     stress, length, time = (numbers["units"].get(what, "") for what in ("stress", "length", "time"))
     rows = [
@@ -52,7 +47,7 @@ def stress_table(numbers: Mapping[str, Any]) -> TextTable:
             _vector(each["point"], digits=4),
             _number(each["time"]),
         ]
-        for name, each in numbers["stress"].items()
+        for name, each in numbers.get("stress", {}).items()
     ]
     heads = (
         *("body", headed("largest von Mises stress", stress), "at node"),
@@ -61,7 +56,7 @@ def stress_table(numbers: Mapping[str, Any]) -> TextTable:
     return TextTable("Stress", heads, rows)
 
 
-def part_table(numbers: Mapping[str, Any]) -> TextTable:
+def part_table(numbers: Numbers) -> TextTable:
     """Step limits, plastic strain and deleted elements of explicit parts; numbers from `summarize`."""
     rows = []
     for name, part in ((name, part) for name, part in numbers["bodies"].items() if "step limit" in part):
@@ -73,7 +68,7 @@ def part_table(numbers: Mapping[str, Any]) -> TextTable:
     return TextTable("Parts", ("body", "size", longest, "largest plastic strain"), rows)
 
 
-def energy_table(numbers: Mapping[str, Any]) -> TextTable:
+def energy_table(numbers: Numbers) -> TextTable:
     """The energies of an explicit run, and their balance error; numbers from `summarize`."""
     energy, time = (numbers["units"].get(what, "") for what in ("energy", "time"))
     rows = [
@@ -89,29 +84,32 @@ def energy_table(numbers: Mapping[str, Any]) -> TextTable:
     return TextTable("Energies", heads, rows)
 
 
-def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
+def sensor_table(numbers: Numbers, *, at_rest: bool = False) -> TextTable:
     """Smallest, largest and last value of each channel of each sensor; numbers from `Reading.plain`.
 
     For sensors at nodes, a last column gives the node of the largest magnitude.
+    at_rest : give the last value only
     """
-    located = any("place" in reading for each in numbers["sensors"].values() for reading in each.values())
+    sensors, extremes = numbers.get("sensors", {}), () if at_rest else ("smallest", "largest")
+    located = any("place" in reading for each in sensors.values() for reading in each.values())
     rows = []
-    for name, channels in numbers["sensors"].items():
+    for name, channels in sensors.items():
         for row, (channel, reading) in enumerate(channels.items()):
             alike = [each for each in channels.values() if each["quantity"] == reading["quantity"]]
             scale = [each[extreme] for each in alike for extreme in ("smallest", "largest")]
             cells = [name if row == 0 else "", headed(channel, reading["unit"])]
-            for extreme in ("smallest", "largest"):
+            for extreme in extremes:
                 value = float(without_noise(reading[extreme], like=scale))
                 cells += [_number(value), _number(reading[f"time of {extreme}"] if value else 0.0)]
             where = [place_words(reading)] if located else []
             rows.append([*cells, _number(float(without_noise(reading["last"], like=scale))), *where])
     time = headed("at time", numbers["units"].get("time", ""))
-    heads = ("sensor", "channel", "smallest", time, "largest", time, "at the end")
-    return TextTable("Sensors", (*heads, "where the magnitude is largest") if located else heads, rows)
+    values = ("value",) if at_rest else ("smallest", time, "largest", time, "at the end")
+    place = ("where" if at_rest else "where the magnitude is largest",) if located else ()
+    return TextTable("Sensors", ("sensor", "channel", *values, *place), rows)
 
 
-def place_words(reading: Mapping[str, Any]) -> str:
+def place_words(reading: Numbers) -> str:
     """The node at which a channel has its largest magnitude, and the place of the sensor."""
     extreme = "smallest" if abs(reading["smallest"]) > abs(reading["largest"]) else "largest"
     words = reading.get("place", "")
@@ -121,7 +119,7 @@ def place_words(reading: Mapping[str, Any]) -> str:
     return f"{point_words(node, point)}, {words}"
 
 
-def body_table(numbers: Mapping[str, Any]) -> TextTable:
+def body_table(numbers: Numbers) -> TextTable:
     """Size and lowest frequencies, one row per body and support; numbers from `summarize`."""
     units = numbers["units"]
     hertz = units.get("frequency", "")
@@ -135,7 +133,7 @@ def body_table(numbers: Mapping[str, Any]) -> TextTable:
     return TextTable("Bodies", heads, [row[:-1] for row in rows])
 
 
-def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[str]]:
+def _body_rows(name: str, body: Numbers, hertz: str) -> Iterable[list[str]]:
     cells = [name, body["kind"], _number(body.get("mass")), _count(body.get("nodes"))]
     coordinates = _count(body.get("coordinates"))
     if body["kind"] == "reduced":
@@ -153,14 +151,12 @@ def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[
         yield [*head, shown, _vector(frequencies, digits=4), ratios]
 
 
-def motion_table(numbers: Mapping[str, Any]) -> TextTable:
+def motion_table(numbers: Numbers) -> TextTable:
     """Range of each tracked place, one row per global axis; numbers from `summarize`."""
     rows = []
     for name, place in numbers["tracked"].items():
-        ends = without_noise([place[f"{which} position"] for which in ("lowest", "highest", "last")])
-        for axis, letter in enumerate("xyz"):
-            values = ends[:, axis]
-            rows.append([name if axis == 0 else "", letter, *(_number(value) for value in values)])
+        ends = [place[f"{which} position"] for which in ("lowest", "highest", "last")]
+        rows += by_axis([name], *without_noise(ends))
     length = numbers["units"].get("length", "")
     heads = (
         "place",
@@ -170,7 +166,7 @@ def motion_table(numbers: Mapping[str, Any]) -> TextTable:
     return TextTable("Tracked motion", heads, rows)
 
 
-def place_table(numbers: Mapping[str, Any]) -> TextTable:
+def place_table(numbers: Numbers) -> TextTable:
     """Deflection of each tracked place of an elastic body, one row per axis; numbers from `summarize`."""
     rows = []
     for name, place in numbers["tracked"].items():
@@ -178,11 +174,9 @@ def place_table(numbers: Mapping[str, Any]) -> TextTable:
         largest, last = (
             without_noise(place[f"{which} deflection"], like=moved) for which in ("largest", "last")
         )
-        for axis, letter in enumerate("xyz") if place["elastic"] else ():
-            head = [name, place["seen from"]] if axis == 0 else ["", ""]
-            when = place["at time"][axis] if largest[axis] else 0.0
-            values = (largest[axis], when, last[axis])
-            rows.append([*head, letter, *(_number(value) for value in values)])
+        if place["elastic"]:
+            when = np.where(largest, place["at time"], 0.0)
+            rows += by_axis([name, place["seen from"]], largest, when, last)
     length, time = (numbers["units"].get(what, "") for what in ("length", "time"))
     heads = (
         *("place", "seen from", "axis", headed("largest deflection", length)),
@@ -191,13 +185,18 @@ def place_table(numbers: Mapping[str, Any]) -> TextTable:
     return TextTable("Deflection", heads, rows)
 
 
-def joint_table(numbers: Mapping[str, Any]) -> TextTable:
+def by_axis(head: Sequence[str], *values: Sequence[float | None] | np.ndarray) -> list[list[str]]:
+    """A row for each of x, y, z; only the first row has the cells of `head`."""
+    return [
+        [*(head if axis == 0 else [""] * len(head)), letter, *(_number(each[axis]) for each in values)]
+        for axis, letter in enumerate("xyz")
+    ]
+
+
+def joint_table(numbers: Numbers) -> TextTable:
     """Force and moment on the second end of each joint; numbers from `summarize`."""
     rows, units = [], numbers["units"]
-    scales = {
-        what: [joint.get(f"largest {what}", 0.0) for joint in numbers["joints"].values()]
-        for what in ("force", "moment")
-    }
+    scales = load_scales(numbers)
     for name, joint in numbers["joints"].items():
         for row, what in enumerate(what for what in ("force", "moment") if f"largest {what}" in joint):
             head = [name, joint["acts on"]] if row == 0 else ["", ""]
@@ -210,11 +209,19 @@ def joint_table(numbers: Mapping[str, Any]) -> TextTable:
     return TextTable("Joints", heads, rows)
 
 
-def contact_table(numbers: Mapping[str, Any]) -> TextTable:
+def load_scales(numbers: Numbers) -> dict[str, list[float]]:
+    """The largest force, and moment, of each joint."""
+    return {
+        what: [joint.get(f"largest {what}", 0.0) for joint in numbers["joints"].values()]
+        for what in ("force", "moment")
+    }
+
+
+def contact_table(numbers: Numbers) -> TextTable:
     """Largest force of each contact on its nodes, at the output times; numbers from `summarize`."""
     force, time = (numbers["units"].get(what, "") for what in ("force", "time"))
     rows = []
-    for name, contact in numbers["contacts"].items():
+    for name, contact in numbers.get("contacts", {}).items():
         largest, components = contact["largest force"], contact["components of largest force"]
         when = contact["time of largest force"] if largest else 0.0
         words = _vector(without_noise(components, like=[largest]))
@@ -226,11 +233,11 @@ def contact_table(numbers: Mapping[str, Any]) -> TextTable:
     return TextTable("Contacts", heads, rows)
 
 
-def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = UNNAMED) -> TextTable:
+def correction_table(numbers: Sequence[Numbers], units: UnitSystem = UNNAMED) -> TextTable:
     """One row per round and body; numbers from `correction_numbers`, lengths in the given units."""
     rows = []
     for each in numbers:
-        errors = (_error(each[key]) for key in ("estimated_error", "allowed", "indicator"))
+        errors = (shown_error(each[key]) for key in ("estimated_error", "allowed", "indicator"))
         seen = ", ".join(word for word in ("useless", "unconfirmed") if each.get(word))
         rows.append(
             [each["body"], str(each["round"]), str(each["size"]), *errors, f"{each['seconds']:.1f}", seen]
@@ -240,24 +247,24 @@ def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = U
     return TextTable("Self-correction", heads, rows)
 
 
-def error_table(numbers: Mapping[str, Any]) -> TextTable:
+def error_table(numbers: Numbers) -> TextTable:
     """The parts of the error and their sum, one row per quantity; numbers from `summarize`."""
     rows, units = [], numbers["units"]
     for name, stated in numbers["errors"].items():
         parts = [
-            _error(stated["parts"][part]["value"]) if part in stated["parts"] else "not estimated"
+            shown_error(stated["parts"][part]["value"]) if part in stated["parts"] else "not estimated"
             for part in PARTS
         ]
-        total = _error(stated["at_least"])
+        total = shown_error(stated["at_least"])
         at_least = "" if len(stated["parts"]) == len(PARTS) else "at least "
-        allowed = "" if stated["allowed"] is None else _error(stated["allowed"])
+        allowed = "" if stated["allowed"] is None else shown_error(stated["allowed"])
         of = headed(name, units.get(stated.get("quantity", ""), ""))
-        rows.append([of, *parts, f"{at_least}{total}", allowed, _error(stated["size"])])
+        rows.append([of, *parts, f"{at_least}{total}", allowed, shown_error(stated["size"])])
     heads = ("error of", "basis", "step", "Newton", "model", "sum", "allowed", "reference size")
     return TextTable("Error", heads, rows)
 
 
-def error_lines(numbers: Mapping[str, Any]) -> list[str]:
+def error_lines(numbers: Numbers) -> list[str]:
     """Description of each row of the error table, remedy for its largest part, and errors not included."""
     lines = [
         f"{name}: {stated['of']}" + (f"; {stated['advice']}" if stated["advice"] else "")
@@ -290,5 +297,6 @@ def _vector(values: Sequence[float] | np.ndarray, digits: int = 5) -> str:
     return "  ".join(f"{value:.{digits}g}" for value in values)
 
 
-def _error(value: float | None) -> str:
+def shown_error(value: float | None) -> str:
+    """An error as text."""
     return "unknown" if value is None else f"{value:.2e}"
