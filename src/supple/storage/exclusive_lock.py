@@ -13,7 +13,6 @@ import sys
 import time
 import warnings
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from supple.errors import ResultFileError, UnlockedWarning
@@ -63,9 +62,7 @@ class ExclusiveLock:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.release()
 
     def __del__(self) -> None:

@@ -11,6 +11,7 @@ None                    nothing
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from types import NoneType
@@ -35,7 +36,8 @@ def read_array(group: h5py.Group, name: str) -> np.ndarray:
     KeyError where it is missing, TypeError where it has no real numbers, ValueError where its size exceeds
     the file, OSError where its checksum does not match.
     """
-    found = _dataset(group, name)
+    found = dataset(group, name)
+    check_fits(found)
     if found.dtype.kind not in "fiu":
         raise TypeError(f"{name} has type {found.dtype} instead of real numbers")
     return np.asarray(found[()])
@@ -54,16 +56,25 @@ def read_number(group: h5py.Group, name: str) -> float:
     return float(np.asarray(group.attrs[name]).item())
 
 
-def _dataset(group: h5py.Group, name: str) -> h5py.Dataset:
-    """The dataset with that name; its size cannot exceed the file, because nothing is compressed."""
+def dataset(group: h5py.Group, name: str) -> h5py.Dataset:
+    """The dataset with that name; KeyError where there is none."""
     found = group[name]
     if not isinstance(found, h5py.Dataset):
         raise KeyError(f"{name} is not a dataset")
-    size, itemsize = group.file.id.get_filesize(), found.dtype.itemsize
-    claimed = max(int(np.prod(shape, dtype=object)) * itemsize for shape in (found.shape, found.chunks or ()))
-    if claimed > size:
-        raise ValueError(f"{name} has {claimed} bytes, more than the {size} bytes of the file")
     return found
+
+
+def check_fits(found: h5py.Dataset, n_rows: int | None = None) -> None:
+    """Raise ValueError, before memory is allocated, where a dataset or one of its blocks exceeds the file.
+
+    n_rows : number of rows that are read; by default all. Nothing is compressed.
+    """
+    shape = found.shape if n_rows is None else (n_rows, *found.shape[1:])
+    size, claimed = found.file.id.get_filesize(), found.dtype.itemsize * math.prod(shape)
+    if claimed and found.chunks is not None:
+        claimed = max(claimed, found.dtype.itemsize * math.prod(found.chunks))
+    if claimed > size:
+        raise ValueError(f"{found.name} has {claimed} bytes, more than the {size} bytes of the file")
 
 
 def store_record(group: h5py.Group, record: Any) -> None:
@@ -129,7 +140,8 @@ def _read_tuple(group: h5py.Group, name: str, kind: Any) -> tuple[Any, ...]:
     found = group.get(name)
     if isinstance(found, h5py.Dataset):
         # An empty tuple has no type of items.
-        return tuple(_dataset(group, name).asstr()[()])
+        check_fits(found)
+        return tuple(found.asstr()[()])
     if is_dataclass(kind):
         inner = read_group(group, name)
         return tuple(read_record(read_group(inner, str(i)), kind) for i in range(len(inner)))

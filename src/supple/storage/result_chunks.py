@@ -14,7 +14,8 @@ import numpy as np
 from supple.integrate.solution import Solution
 from supple.storage.atomic_write import replacing
 from supple.storage.dataset_labels import dataset_labels
-from supple.storage.result_content import FORMAT, N_COLUMNS, TEXTS, VERSION, Layout, ResultHeader, dataset
+from supple.storage.hdf5_record import dataset
+from supple.storage.result_content import FORMAT, N_COLUMNS, TEXTS, VERSION, Layout, ResultHeader
 from supple.storage.result_seals import NO_END, SIZE, content_seal, end_seal, header_seal, row_seal
 from supple.storage.solution_arrays import Array, motion_kinds, statistics_row, to_arrays
 

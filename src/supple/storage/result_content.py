@@ -20,6 +20,7 @@ from supple.integrate.error_statement import ErrorStatement
 from supple.integrate.solution import Solution, Statistics, concatenate
 from supple.storage.column_measures import KEY
 from supple.storage.file_errors import DAMAGE
+from supple.storage.hdf5_record import check_fits, dataset
 from supple.storage.result_seals import (
     NO_END,
     SIZE,
@@ -88,13 +89,10 @@ class Layout:
 
 
 class ResultContent:
-    """An open result file with checked format and header.
+    """An open result file with checked format and header."""
 
-    size : int      bytes of the file; no dataset can be longer, because nothing is compressed
-    """
-
-    def __init__(self, path: Path, file: h5py.File, size: int) -> None:
-        self._path, self._file, self._size = path, file, size
+    def __init__(self, path: Path, file: h5py.File) -> None:
+        self._path, self._file = path, file
         self._check_format()
         try:
             texts = {name: self._text(name) for name in TEXTS}
@@ -321,7 +319,7 @@ class ResultContent:
         found = dataset(self._file, name)
         if found.dtype.kind != "S" or found.shape:
             raise TypeError(f"{name} is not a text")
-        self._check_room(found, 1)
+        check_fits(found)
         return bytes(found[()]).decode()
 
     def _read_seal(self, name: str) -> bytes:
@@ -340,19 +338,8 @@ class ResultContent:
         n_rows = found.shape[0] if found.ndim else 1
         if rows is not None and n_rows < rows:
             raise ValueError(f"{name} has {n_rows} rows instead of {rows}")
-        self._check_room(found, n_rows if rows is None else rows)
+        check_fits(found, rows)
         return found
-
-    def _check_room(self, found: h5py.Dataset, rows: int) -> None:
-        """Check sizes before memory is allocated: no array, and no block, is longer than the file."""
-        itemsize = found.dtype.itemsize
-        claims = [rows * math.prod(found.shape[1:]) * itemsize]
-        if claims[0] and found.chunks is not None:
-            claims.append(math.prod(found.chunks) * itemsize)
-        if max(claims) > self._size:
-            raise ValueError(
-                f"{found.name} has {max(claims)} bytes, more than the {self._size} bytes of the file"
-            )
 
 
 def layout_of(words: Mapping[str, Mapping[str, Any]]) -> Layout:
@@ -362,14 +349,6 @@ def layout_of(words: Mapping[str, Mapping[str, Any]]) -> Layout:
         kinds=dict(words.get("kinds", {})),
         engine_state={key: tuple(shape) for key, shape in words.get("engine_state", {}).items()},
     )
-
-
-def dataset(file: h5py.File, name: str) -> h5py.Dataset:
-    """The dataset with that name; KeyError where there is none."""
-    found = file[name]
-    if not isinstance(found, h5py.Dataset):
-        raise KeyError(f"{name} is not a dataset")
-    return found
 
 
 def not_ours(path: Path) -> ResultFileError:

@@ -35,12 +35,13 @@ at any time: by another process during the run, and after the run was killed. On
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
-from types import MappingProxyType, TracebackType
+from types import MappingProxyType
 from typing import Self
 
 import h5py
@@ -76,6 +77,9 @@ class ResultFile:
             simulate(system, ..., record=file.append)
             file.finish()
 
+    header : the header of the file when it was opened
+    last_time : the last output time written; minus infinity before the first
+
     Leaving the block without `finish` closes the file as an incomplete run, which `resume` continues. While
     the file is open, no other process can write it.
     """
@@ -84,13 +88,13 @@ class ResultFile:
         self, path: Path, header: ResultHeader, lock: ExclusiveLock, written: Solution | None
     ) -> None:
         self.path = path
-        self._header = header
+        self.header = header
         self._lock = lock
         self._file: h5py.File | None = None
         self._place: os.stat_result | None = None
         self._closed = False
         self._ledger: Ledger | None = None
-        self._last_time = -np.inf
+        self.last_time = -math.inf
         if written is not None:
             self._start(written)
 
@@ -154,16 +158,6 @@ class ResultFile:
             lock.release()
             raise
 
-    @property
-    def last_time(self) -> float:
-        """The last output time written; minus infinity before the first."""
-        return self._last_time
-
-    @property
-    def header(self) -> ResultHeader:
-        """The header of the file when it was opened."""
-        return self._header
-
     def append(self, chunk: Solution) -> None:
         """Write the next output times of the run; on return they survive a kill of this process.
 
@@ -179,11 +173,11 @@ class ResultFile:
             self._start(chunk)
             return
         self._check_in_place()
-        kept = f" (the run up to t = {self._last_time:g} is stored and can be continued)"
+        kept = f" (the run up to t = {self.last_time:g} is stored and can be continued)"
         with file_errors("write", self.path, note=kept):
             reserve_space(self.path, written_size(self.path) + most_growth(arrays))
             append_chunk(self._file, self._ledger, arrays, chunk)
-        self._last_time = float(chunk.times[-1])
+        self.last_time = float(chunk.times[-1])
 
     def solution(self) -> Solution:
         """The written part of the run, read from the open file and checked against its seals.
@@ -209,7 +203,7 @@ class ResultFile:
         self._check_open("read the run being written in")
         if self._file is None:
             raise ResultFileError(f"{self.path} contains no output times yet; append some first")
-        return ResultContent(self.path, self._file, self._file.id.get_filesize())
+        return ResultContent(self.path, self._file)
 
     def finish(self) -> None:
         """Mark the run complete and close the file; ResultFileError if it is closed already."""
@@ -220,7 +214,7 @@ class ResultFile:
                 mark_complete(self._file, self._ledger)
                 self._file.flush()
         else:
-            write_whole(self.path, replace(self._header, complete=True), None)
+            write_whole(self.path, replace(self.header, complete=True), None)
         self.close()
 
     def close(self) -> None:
@@ -239,18 +233,16 @@ class ResultFile:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _start(self, written: Solution) -> None:
         # The datasets must exist before single-writer mode begins: they are created with the first chunk.
-        self._ledger = write_whole(self.path, self._header, written)
+        self._ledger = write_whole(self.path, self.header, written)
         with file_errors("open", self.path):
             self._file = open_single_writer(self.path)
             self._place = self.path.stat()
-        self._last_time = float(written.times[-1])
+        self.last_time = float(written.times[-1])
 
     def _is_in_place(self) -> bool:
         place = self.path.stat() if self.path.exists() else None
@@ -266,10 +258,10 @@ class ResultFile:
 
     def _check(self, arrays: Mapping[str, Array], chunk: Solution) -> None:
         times = arrays["times"]
-        if not len(times) or times[0] <= self._last_time or not (np.diff(times) > 0.0).all():
+        if not len(times) or times[0] <= self.last_time or not (np.diff(times) > 0.0).all():
             seen = f"{times[0]:g} to {times[-1]:g}" if len(times) else "none"
             raise ResultFileError(
-                f"cannot append to {self.path}: its times end at {self._last_time:g} and the new ones "
+                f"cannot append to {self.path}: its times end at {self.last_time:g} and the new ones "
                 f"({seen}) do not increase from there: append chunks in order of time"
             )
         if self._ledger is not None:

@@ -104,7 +104,7 @@ class ResultParts:
 
     def __iter__(self) -> Iterator[Solution]:
         with file_errors("read", self.path), open_unmarked(self.path) as file:
-            content = ResultContent(self.path, file, self.path.stat().st_size)
+            content = ResultContent(self.path, file)
             yield from content.parts(self.rows, max(1, _PART_BYTES // content.row_bytes))
 
 
@@ -129,7 +129,7 @@ def _read(path: Path, wanted: Callable[[ResultContent], _T]) -> _T:
 def _read_once(path: Path, wanted: Callable[[ResultContent], _T]) -> _T:
     try:
         with open_unmarked(path) as file:
-            return wanted(ResultContent(path, file, path.stat().st_size))
+            return wanted(ResultContent(path, file))
     except ResultFileError:
         raise
     except DAMAGE as error:
