@@ -19,7 +19,7 @@ from supple.machine import Placed, System
 from supple.methods.intrinsic.complete_motion import with_modes
 from supple.methods.intrinsic.enough_modes import FEWEST
 from supple.reduction import ReducedBody
-from supple.simulation.recorded_columns import check_bodies
+from supple.simulation.recorded_columns import check_columns
 from supple.simulation.stored_bodies import stored_path
 from supple.storage import ResultParts, read_header, read_reduced_body
 from supple.storage.result_content import ResultHeader
@@ -73,7 +73,7 @@ def result_machine(path: Path, case_file: Path | None = None, notify: Notify = s
             "file it was run from (--case)"
         )
     system = _as_simulated(case, path)
-    check_bodies(header, system, path)
+    check_columns(header, system, path, with_start=False)
     return ResultMachine(case, system, ResultParts(path))
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from supple.integrate import JOINT_COMPONENTS, FramedMotion, Motion
 from supple.reduction import ReductionReport
-from supple.storage import column_measures, read_header, read_solution
+from supple.storage import read_header, read_solution
+from supple.storage.result_content import COLUMNS
 from supple.units import UnitSystem, with_unit
 
 Row = tuple[str, str]
@@ -39,7 +40,7 @@ def describe_result(path: Path) -> Iterator[Row]:
     yield "what", "complete" if header.complete else unfinished
     units = UnitSystem.parsed(str(header.metadata.get("units", "")))
     for name, value in header.metadata.items():
-        if name != column_measures.KEY:  # fingerprint of the basis columns, not for display
+        if name != COLUMNS:  # not for display
             yield name, str(value)
     if header.n_times:
         solution = read_solution(path)

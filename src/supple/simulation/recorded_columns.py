@@ -1,13 +1,18 @@
-"""Identification of the bodies in a result file, so that a motion is read only with its own bodies."""
+"""Identification of the bodies in a result file, so that a motion is read only with its own bodies.
+
+Signs of modes are arbitrary, and so are directions of modes with equal frequencies. Round-off decides them,
+and another number of threads can change them. The coordinates of a stored motion would then have another
+meaning. A few numbers identify the columns of a basis despite round-off.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from supple.body import BodyForm, FullBody
 from supple.errors import ModelError, ResultFileError
@@ -16,8 +21,7 @@ from supple.machine import Placed, System
 from supple.methods.explicit import ModalSubdomain
 from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
-from supple.storage.column_measures import KEY, measures, probe, same_measures
-from supple.storage.result_content import Metadata, ResultHeader
+from supple.storage.result_content import COLUMNS, Metadata, ResultHeader
 
 _ARRAYS = (
     "nodal_basis",
@@ -32,11 +36,32 @@ _ARRAYS = (
 _OF_COORDINATES = ("nodal_basis", "mass", "frame", "shapes", "velocities", "forces")
 """Arrays that define the motion per coordinate."""
 
+SAME = 1e-5
+"""Relative tolerance of equal measures: round-off is far smaller, another sign or order far larger."""
+
+
+def probe(size: int, seed: int = 0) -> NDArray[np.float64]:
+    """A fixed pseudo-random vector, the same in every call."""
+    return np.random.default_rng(seed).standard_normal(size)
+
+
+def measures(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Products of the columns of an array (n, ..) with a random vector."""
+    return array.T @ probe(len(array))
+
+
+def same_measures(then: ArrayLike, now: NDArray[np.float64]) -> bool:
+    """Whether two measures belong to the same columns."""
+    first = np.asarray(then)
+    return first.shape == now.shape and bool(
+        np.abs(first - now).max(initial=0.0) <= SAME * np.abs(first).max(initial=0.0)
+    )
+
 
 def columns_of(system: System) -> Metadata:
     """Metadata that identify elastic bodies."""
     measured = measured_columns(system)
-    return {KEY: json.dumps(measured)} if measured else {}
+    return {COLUMNS: json.dumps(measured)} if measured else {}
 
 
 def measured_columns(system: System) -> dict[str, dict[str, list[float]]]:
@@ -48,7 +73,7 @@ def measured_columns(system: System) -> dict[str, dict[str, list[float]]]:
     return {body: measures for body, measures in measured.items() if measures}
 
 
-def are_same_columns(then: Mapping[str, Any], placed: Placed) -> bool:
+def are_same_columns(then: Mapping[str, ArrayLike], placed: Placed) -> bool:
     """Whether the coordinates of a body have the same meaning as those of the body with measures `then`."""
     now = dict(_measures(placed))
     of_columns = [name for name in _OF_COORDINATES if name in now]
@@ -68,26 +93,14 @@ def check_motions(system: System, solution: Solution) -> None:
             )
 
 
-def check_columns(header: ResultHeader, system: System, path: Path | str) -> None:
-    """ResultFileError if a system's elastic bodies or their initial deformation differ from a result file."""
-    _check(header, system, path, _measures)
+def check_columns(header: ResultHeader, system: System, path: Path | str, *, with_start: bool = True) -> None:
+    """ResultFileError if a system's elastic bodies differ from those of a result file.
 
-
-def check_bodies(header: ResultHeader, system: System, path: Path | str) -> None:
-    """ResultFileError if a system's elastic bodies differ; their initial deformation is not compared."""
-    _check(header, system, path, lambda placed: _of_body(placed.body))
-
-
-def _check(
-    header: ResultHeader,
-    system: System,
-    path: Path | str,
-    measured: Callable[[Placed], Iterable[tuple[str, np.ndarray]]],
-) -> None:
-    recorded = json.loads(str(header.metadata.get(KEY, "{}")))
+    with_start : also if their initial deformation differs
+    """
     for placed in system.bodies:
-        then = recorded.get(placed.body.name, {})
-        for name, now in measured(placed):
+        then = header.columns.get(placed.body.name, {})
+        for name, now in _measures(placed) if with_start else _of_body(placed.body):
             if name in then and not same_measures(then[name], now):
                 raise ResultFileError(_other(path, placed, name, len(then[name])))
 

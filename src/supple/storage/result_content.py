@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from supple.errors import ResultFileError
 from supple.integrate.error_statement import ErrorStatement
 from supple.integrate.solution import Solution, Statistics, concatenate
-from supple.storage.column_measures import KEY
 from supple.storage.file_errors import DAMAGE
 from supple.storage.hdf5_record import check_fits, dataset
 from supple.storage.result_seals import (
@@ -45,6 +44,9 @@ N_COLUMNS = 2 + len(statistics_row(Statistics()))
 """Columns of `commits`: first row, number of times, statistics."""
 
 Metadata = Mapping[str, str | int | float | bool]
+
+COLUMNS = "columns"
+"""Name of the measures of the bases in the metadata, as JSON."""
 
 ERRORS = "errors"
 """Name of the error statements in the metadata, as JSON."""
@@ -77,6 +79,11 @@ class ResultHeader:
     n_times: int
     statistics: Statistics
     inputs: Inputs = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def columns(self) -> Mapping[str, Mapping[str, list[float]]]:
+        """By elastic body: numbers that identify the columns of its basis, see `recorded_columns`."""
+        return json.loads(str(self.metadata.get(COLUMNS, "{}")))
 
 
 @dataclass(frozen=True)
@@ -149,7 +156,7 @@ class ResultContent:
             broken = dict(self._broken())
             raise (self._chunks_damaged(broken) if broken else error) from error
         solution = from_arrays(arrays, header.statistics, self._layout.kinds, state)
-        solution = replace(solution, columns=json.loads(str(header.metadata.get(KEY, "{}"))))
+        solution = replace(solution, columns=header.columns)
         errors = json.loads(str(header.metadata.get(ERRORS, "{}"))).items()
         return solution.with_errors({name: ErrorStatement.from_plain(numbers) for name, numbers in errors})
 
