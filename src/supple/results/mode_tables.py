@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
 from supple.linearization import CampbellDiagram
 from supple.linearization.linear_machine import STANDING
-from supple.results.run_tables import TextTable
+from supple.results.run_tables import Numbers, TextTable, head
 from supple.units import UnitSystem, headed, plain_number, with_unit
 
 __all__ = ["SENSES", "mode_tables", "speed_tables"]
@@ -65,15 +64,14 @@ def _frequency(value: float) -> str:
     return plain_number(value, 5) if np.isfinite(value) else ""
 
 
-def mode_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
+def mode_tables(numbers: Numbers) -> list[TextTable]:
     """Modes, and their effective masses if the ground holds the machine; numbers from `supple modes`."""
     masses = _effective_mass_table(numbers)
     return [_mode_table(numbers), *([] if masses is None else [masses])]
 
 
-def _mode_table(numbers: Mapping[str, Any]) -> TextTable:
+def _mode_table(numbers: Numbers) -> TextTable:
     """Modes with their motion, frequency, error and damping; numbers from `supple modes`."""
-    unit = numbers["units"].get("frequency", "")
     turns = numbers["axes"] != STANDING
     whirls = any(mode["frequency in space"] is not None for mode in numbers["modes"])
     rows = []
@@ -96,15 +94,15 @@ def _mode_table(numbers: Mapping[str, Any]) -> TextTable:
             ]
         )
     whirl = ["whirl"] if whirls else []
-    whirl += [headed("in space", unit), "damping in space, %"] if whirls and turns else []
+    whirl += [head(numbers, "in space", "frequency"), "damping in space, %"] if whirls and turns else []
     error = ["error, %"] if numbers["bodies with a basis"] else []
-    heads = ["mode", "motion", headed("frequency", unit), *whirl, *error, "damping, %"]
+    heads = ["mode", "motion", head(numbers, "frequency", "frequency"), *whirl, *error, "damping, %"]
     floquet = " (Floquet modes of periodic equations)" if numbers["periodic"] else ""
     title = f"Modes of the machine, in axes {numbers['axes']}{floquet}"
     return TextTable(title, [*heads, "largest share of kinetic energy", "stability"], rows)
 
 
-def _effective_mass_table(numbers: Mapping[str, Any]) -> TextTable | None:
+def _effective_mass_table(numbers: Numbers) -> TextTable | None:
     """Effective masses of the modes of a machine held by the ground; None for other machines."""
     modes, mass = numbers["modes"], numbers["mass"]
     if any(mode["effective_mass"] is None for mode in modes):
@@ -121,16 +119,15 @@ def _effective_mass_table(numbers: Mapping[str, Any]) -> TextTable | None:
     ]
     total = cells.sum(axis=0)
     rows.append(["all", "", *(f"{each:.5g} ({100 * each / mass:.1f} %)" for each in total)])
-    heads = ["mode", headed("frequency", numbers["units"].get("frequency", ""))]
-    along = [headed(axis, unit) for axis in "xyz"]
-    return TextTable(f"Effective masses, of {with_unit(f'{mass:.6g}', unit)}", [*heads, *along], rows)
+    heads = ["mode", head(numbers, "frequency", "frequency"), *(headed(axis, unit) for axis in "xyz")]
+    return TextTable(f"Effective masses, of {with_unit(f'{mass:.6g}', unit)}", heads, rows)
 
 
 def _damping(ratio: float) -> str:
     return f"{float(_percents(np.array(ratio))):.3g}"
 
 
-def _error(mode: dict[str, Any]) -> str:
+def _error(mode: Numbers) -> str:
     """Error of a frequency, in percent."""
     if mode["none of the machine's"]:
         return "no such mode"

@@ -11,11 +11,11 @@ from supple.results.run_tables import (
     TextTable,
     body_table,
     by_axis,
+    head,
     load_scales,
     sensor_table,
     shown_error,
 )
-from supple.units import headed
 
 __all__ = ["rest_error_table", "rest_tables"]
 
@@ -28,16 +28,14 @@ def rest_tables(numbers: Numbers) -> list[TextTable]:
 
 def _joint_table(numbers: Numbers) -> TextTable:
     """Force and moment on the second end of each joint, along the axes of the joint."""
-    joints, units = numbers["joints"], numbers["units"]
-    scales = load_scales(numbers)
-    rows = []
-    for name, joint in joints.items():
+    rows, scales = [], load_scales(numbers)
+    for name, joint in numbers["joints"].items():
         shown = [
             without_noise(joint[f"last {what}"], like=scales[what]) if f"last {what}" in joint else [None] * 3
             for what in ("force", "moment")
         ]
         rows += by_axis([name, joint["acts on"]], *shown)
-    heads = ("joint", "acts on", "axis of the joint", *(headed(what, units.get(what, "")) for what in scales))
+    heads = ("joint", "acts on", "axis of the joint", *(head(numbers, what, what) for what in scales))
     return TextTable("Joints", heads, rows)
 
 
@@ -46,7 +44,7 @@ def _place_tables(numbers: Numbers) -> list[TextTable]:
 
     A column gives the basis error if it is known for any place.
     """
-    length, places = numbers["units"].get("length", ""), numbers["tracked"]
+    places = numbers["tracked"]
     everywhere = [place["last position"] for place in places.values()]
     tables = []
     for what, axis in (("position", "global axis"), ("deflection", "axis")):
@@ -54,7 +52,7 @@ def _place_tables(numbers: Numbers) -> list[TextTable]:
         shown = {name: place for name, place in places.items() if place["elastic"] or not of_deflection}
         errors = {name: place.get(f"error of {what}") for name, place in shown.items()}
         is_known = any(error is not None for error in errors.values())
-        heads = ["place", *(["seen from"] if of_deflection else []), axis, headed(what, length)]
+        heads = ["place", *(["seen from"] if of_deflection else []), axis, head(numbers, what, "length")]
         rows = []
         for name, place in shown.items():
             own = by_axis(
@@ -66,7 +64,7 @@ def _place_tables(numbers: Numbers) -> list[TextTable]:
                 own = [[*row, word] for row, word in zip(own, words, strict=True)]
             rows += own
         if is_known:
-            heads.append(headed("error of the basis", length))
+            heads.append(head(numbers, "error of the basis", "length"))
         tables.append(TextTable(f"{what.capitalize()}s", tuple(heads), rows))
     return tables
 
@@ -78,7 +76,6 @@ def _error_words(error: Sequence[float] | None, like: Sequence[Any]) -> list[str
 
 def rest_error_table(numbers: Numbers) -> TextTable:
     """Basis error of each reduced body at rest; `numbers["errors"]` from `EquilibriumError.plain`."""
-    length = numbers["units"].get("length", "")
     rows = [
         [
             name,
@@ -92,8 +89,8 @@ def rest_error_table(numbers: Numbers) -> TextTable:
         for name, error in numbers["errors"].items()
     ]
     heads = (
-        *("error of", headed("RMS over nodes", length), headed("worst node", length)),
-        *(headed("of displacements up to", length), "worst, %", "strain, %", "second sweep / first"),
+        *("error of", head(numbers, "RMS over nodes", "length"), head(numbers, "worst node", "length")),
+        *(head(numbers, "of displacements up to", "length"), "worst, %", "strain, %", "second sweep / first"),
     )
     return TextTable("Error of the basis at rest", heads, rows)
 

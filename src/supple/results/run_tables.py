@@ -24,6 +24,11 @@ class TextTable(NamedTuple):
     rows: Sequence[Sequence[str]]
 
 
+def head(numbers: Numbers, name: str, quantity: str) -> str:
+    """Head of a column, with the unit of a quantity if it has a name."""
+    return headed(name, numbers["units"].get(quantity, ""))
+
+
 def motion_tables(numbers: Numbers) -> list[TextTable]:
     """Tables of bodies, and of joints, contacts, places, stress, sensors and energies, if any.
 
@@ -37,7 +42,6 @@ def motion_tables(numbers: Numbers) -> list[TextTable]:
 
 def stress_table(numbers: Numbers) -> TextTable:
     """The largest stress of each body; numbers from `stress_numbers`."""
-    stress, length, time = (numbers["units"].get(what, "") for what in ("stress", "length", "time"))
     rows = [
         [
             name
@@ -50,8 +54,8 @@ def stress_table(numbers: Numbers) -> TextTable:
         for name, each in numbers.get("stress", {}).items()
     ]
     heads = (
-        *("body", headed("largest von Mises stress", stress), "at node"),
-        *(headed("x, y, z of the undeformed node", length), headed("at time", time)),
+        *("body", head(numbers, "largest von Mises stress", "stress"), "at node"),
+        *(head(numbers, "x, y, z of the undeformed node", "length"), head(numbers, "at time", "time")),
     )
     return TextTable("Stress", heads, rows)
 
@@ -64,13 +68,12 @@ def part_table(numbers: Numbers) -> TextTable:
         size = f"{part['elements']} elements{lost}" if "elements" in part else f"{part['coordinates']} modes"
         yielded = f"{part['largest plastic strain']:.3g}" if "largest plastic strain" in part else ""
         rows.append([name, size, f"{part['step limit']:.4g}", yielded])
-    longest = headed("step limit at rest", numbers["units"].get("time", ""))
+    longest = head(numbers, "step limit at rest", "time")
     return TextTable("Parts", ("body", "size", longest, "largest plastic strain"), rows)
 
 
 def energy_table(numbers: Numbers) -> TextTable:
     """The energies of an explicit run, and their balance error; numbers from `summarize`."""
-    energy, time = (numbers["units"].get(what, "") for what in ("energy", "time"))
     rows = [
         [name, *(f"{held[key]:.5g}" for key in ("start", "largest", "time of largest", "end"))]
         for name, held in numbers["energies"].items()
@@ -78,8 +81,8 @@ def energy_table(numbers: Numbers) -> TextTable:
     balance = numbers["balance"]
     rows.append(["balance error", "", f"{balance['largest']:.2g}", "", f"{balance['relative']:.1e} relative"])
     heads = (
-        *("energy", headed("at the start", energy), headed("largest", energy)),
-        *(headed("time of largest", time), headed("at the end", energy)),
+        *("energy", head(numbers, "at the start", "energy"), head(numbers, "largest", "energy")),
+        *(head(numbers, "time of largest", "time"), head(numbers, "at the end", "energy")),
     )
     return TextTable("Energies", heads, rows)
 
@@ -103,7 +106,7 @@ def sensor_table(numbers: Numbers, *, at_rest: bool = False) -> TextTable:
                 cells += [_number(value), _number(reading[f"time of {extreme}"] if value else 0.0)]
             where = [place_words(reading)] if located else []
             rows.append([*cells, _number(float(without_noise(reading["last"], like=scale))), *where])
-    time = headed("at time", numbers["units"].get("time", ""))
+    time = head(numbers, "at time", "time")
     values = ("value",) if at_rest else ("smallest", time, "largest", time, "at the end")
     place = ("where" if at_rest else "where the magnitude is largest",) if located else ()
     return TextTable("Sensors", ("sensor", "channel", *values, *place), rows)
@@ -121,10 +124,9 @@ def place_words(reading: Numbers) -> str:
 
 def body_table(numbers: Numbers) -> TextTable:
     """Size and lowest frequencies, one row per body and support; numbers from `summarize`."""
-    units = numbers["units"]
-    hertz = units.get("frequency", "")
+    hertz = numbers["units"].get("frequency", "")
     heads = (
-        *("body", "kind", headed("mass", units.get("mass", "")), "nodes", "DOF", "locking", "fixed at"),
+        *("body", "kind", head(numbers, "mass", "mass"), "nodes", "DOF", "locking", "fixed at"),
         headed("lowest frequencies", hertz),
     )
     rows = [row for name, body in numbers["bodies"].items() for row in _body_rows(name, body, hertz)]
@@ -146,9 +148,9 @@ def _body_rows(name: str, body: Numbers, hertz: str) -> Iterable[list[str]]:
     of_basis = ", basis" if body.get("frequencies of") == "the basis" else ""
     found = {place + of_basis: (place, each) for place, each in held.items() if len(each)}
     for row, (shown, (place, frequencies)) in enumerate((found or {"": ("", ())}).items()):
-        head = cells if row == 0 else [""] * len(cells)
+        first = cells if row == 0 else [""] * len(cells)
         ratios = _vector([100 * ratio for ratio in damped.get(place, ())], digits=3)
-        yield [*head, shown, _vector(frequencies, digits=4), ratios]
+        yield [*first, shown, _vector(frequencies, digits=4), ratios]
 
 
 def motion_table(numbers: Numbers) -> TextTable:
@@ -157,13 +159,8 @@ def motion_table(numbers: Numbers) -> TextTable:
     for name, place in numbers["tracked"].items():
         ends = [place[f"{which} position"] for which in ("lowest", "highest", "last")]
         rows += by_axis([name], *without_noise(ends))
-    length = numbers["units"].get("length", "")
-    heads = (
-        "place",
-        "global axis",
-        *(headed(which, length) for which in ("lowest", "highest", "at the end")),
-    )
-    return TextTable("Tracked motion", heads, rows)
+    values = (head(numbers, which, "length") for which in ("lowest", "highest", "at the end"))
+    return TextTable("Tracked motion", ("place", "global axis", *values), rows)
 
 
 def place_table(numbers: Numbers) -> TextTable:
@@ -177,34 +174,32 @@ def place_table(numbers: Numbers) -> TextTable:
         if place["elastic"]:
             when = np.where(largest, place["at time"], 0.0)
             rows += by_axis([name, place["seen from"]], largest, when, last)
-    length, time = (numbers["units"].get(what, "") for what in ("length", "time"))
     heads = (
-        *("place", "seen from", "axis", headed("largest deflection", length)),
-        *(headed("time of largest", time), headed("at the end", length)),
+        *("place", "seen from", "axis", head(numbers, "largest deflection", "length")),
+        *(head(numbers, "time of largest", "time"), head(numbers, "at the end", "length")),
     )
     return TextTable("Deflection", heads, rows)
 
 
-def by_axis(head: Sequence[str], *values: Sequence[float | None] | np.ndarray) -> list[list[str]]:
-    """A row for each of x, y, z; only the first row has the cells of `head`."""
+def by_axis(first: Sequence[str], *values: Sequence[float | None] | np.ndarray) -> list[list[str]]:
+    """A row for each of x, y, z; only the first row has the cells of `first`."""
     return [
-        [*(head if axis == 0 else [""] * len(head)), letter, *(_number(each[axis]) for each in values)]
+        [*(first if axis == 0 else [""] * len(first)), letter, *(_number(each[axis]) for each in values)]
         for axis, letter in enumerate("xyz")
     ]
 
 
 def joint_table(numbers: Numbers) -> TextTable:
     """Force and moment on the second end of each joint; numbers from `summarize`."""
-    rows, units = [], numbers["units"]
-    scales = load_scales(numbers)
+    rows, scales = [], load_scales(numbers)
     for name, joint in numbers["joints"].items():
         for row, what in enumerate(what for what in ("force", "moment") if f"largest {what}" in joint):
-            head = [name, joint["acts on"]] if row == 0 else ["", ""]
+            first = [name, joint["acts on"]] if row == 0 else ["", ""]
             largest = float(without_noise(joint[f"largest {what}"], like=scales[what]))
             when = joint[f"time of largest {what}"] if largest else 0.0
             last = _vector(without_noise(joint[f"last {what}"], like=scales[what]))
-            rows.append([*head, headed(what, units.get(what, "")), _number(largest), _number(when), last])
-    time = headed("time of largest", units.get("time", ""))
+            rows.append([*first, head(numbers, what, what), _number(largest), _number(when), last])
+    time = head(numbers, "time of largest", "time")
     heads = ("joint", "acts on", "load", "largest magnitude", time, "at the end: x, y, z of the joint")
     return TextTable("Joints", heads, rows)
 
@@ -219,7 +214,6 @@ def load_scales(numbers: Numbers) -> dict[str, list[float]]:
 
 def contact_table(numbers: Numbers) -> TextTable:
     """Largest force of each contact on its nodes, at the output times; numbers from `summarize`."""
-    force, time = (numbers["units"].get(what, "") for what in ("force", "time"))
     rows = []
     for name, contact in numbers.get("contacts", {}).items():
         largest, components = contact["largest force"], contact["components of largest force"]
@@ -227,8 +221,12 @@ def contact_table(numbers: Numbers) -> TextTable:
         words = _vector(without_noise(components, like=[largest]))
         rows.append([name.removeprefix("contact of "), _number(largest), _number(when), words])
     heads = (
-        *("contact of", headed("largest force on the nodes", force), headed("at time", time)),
-        headed("x, y, z of that force", force),
+        *(
+            "contact of",
+            head(numbers, "largest force on the nodes", "force"),
+            head(numbers, "at time", "time"),
+        ),
+        head(numbers, "x, y, z of that force", "force"),
     )
     return TextTable("Contacts", heads, rows)
 
@@ -249,7 +247,7 @@ def correction_table(numbers: Sequence[Numbers], units: UnitSystem = UNNAMED) ->
 
 def error_table(numbers: Numbers) -> TextTable:
     """The parts of the error and their sum, one row per quantity; numbers from `summarize`."""
-    rows, units = [], numbers["units"]
+    rows = []
     for name, stated in numbers["errors"].items():
         parts = [
             shown_error(stated["parts"][part]["value"]) if part in stated["parts"] else "not estimated"
@@ -258,7 +256,7 @@ def error_table(numbers: Numbers) -> TextTable:
         total = shown_error(stated["at_least"])
         at_least = "" if len(stated["parts"]) == len(PARTS) else "at least "
         allowed = "" if stated["allowed"] is None else shown_error(stated["allowed"])
-        of = headed(name, units.get(stated.get("quantity", ""), ""))
+        of = head(numbers, name, stated.get("quantity", ""))
         rows.append([of, *parts, f"{at_least}{total}", allowed, shown_error(stated["size"])])
     heads = ("error of", "basis", "step", "Newton", "model", "sum", "allowed", "reference size")
     return TextTable("Error", heads, rows)
