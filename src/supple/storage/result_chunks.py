@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -26,28 +26,65 @@ _BLOCK_BYTES = 16384
 _INDEX_BYTES = 2**20
 
 
-@dataclass
-class Ledger:
-    """The seals of the parts of a file as they are written.
+class ChunkWriter:
+    """Writes chunks with their seals to an open file.
 
-    header : bytes          seal of the header
-    layout : Layout         layout of the chunks
-    rows : list of bytes    seals of the chunks
-    n_times : int           number of output times written
-    datasets : h5py.Dataset     by name, cached, because a look-up takes as long as a write
+    header : bytes      seal of the header
+    layout : Layout     layout of the chunks
     """
 
-    header: bytes
-    layout: Layout
-    rows: list[bytes]
-    n_times: int = 0
-    datasets: dict[str, h5py.Dataset] = field(default_factory=dict)
+    def __init__(self, file: h5py.File, header: bytes, layout: Layout) -> None:
+        self.layout = layout
+        self._header = header
+        self._row_seals: list[bytes] = []
+        self._n_times = 0
+        self.go_on_in(file)
 
-    def dataset(self, file: h5py.File, name: str) -> h5py.Dataset:
-        """The dataset with that name in the file that chunks are appended to."""
-        if name not in self.datasets:
-            self.datasets[name] = dataset(file, name)
-        return self.datasets[name]
+    def go_on_in(self, file: h5py.File) -> None:
+        """Write further chunks to the file that was written, opened again."""
+        self.file = file
+        # Kept by name, because a look-up takes as long as a write.
+        self._dataset = cache(partial(dataset, file))
+
+    def append(self, arrays: Mapping[str, Array], chunk: Solution) -> None:
+        """Write a chunk after the existing ones."""
+        for name, array in arrays.items():
+            target = self._dataset(name)
+            target.resize(self._n_times + len(array), axis=0)
+            if array.size:
+                target[self._n_times :] = array
+        for key in self.layout.engine_state:
+            self._set_row(f"engine_state/{key}", np.asarray(chunk.engine_state[key]))
+        self.file.flush()
+        self.commit(arrays, chunk)
+
+    def commit(self, arrays: Mapping[str, Array], chunk: Solution) -> None:
+        """Make a chunk valid whose arrays and state are written."""
+        state = {key: np.asarray(chunk.engine_state[key], np.float64) for key in self.layout.engine_state}
+        row = np.array([self._n_times, len(arrays["times"]), *statistics_row(chunk.statistics)])
+        content = content_seal({path: (array.shape, [array]) for path, array in arrays.items()}, state)
+        sealed = row_seal(self._header, len(self._row_seals), row, content)
+        # A chunk is valid once its row is written; therefore the seals are written first.
+        self._set_row("seals/chunks", np.frombuffer(content + sealed, np.uint8))
+        self.file.flush()
+        self._set_row("commits", row)
+        self.file.flush()
+        self._row_seals.append(sealed)
+        self._n_times += len(arrays["times"])
+
+    def finish(self) -> None:
+        """Seal the complete run."""
+        self._dataset("seals/end")[...] = np.frombuffer(end_seal(self._header, self._row_seals), np.uint8)
+        self.file.flush()
+        self._dataset("complete")[()] = 1
+        self.file.flush()
+
+    def _set_row(self, name: str, value: np.ndarray) -> None:
+        """Write the row of the next chunk."""
+        rows, number = self._dataset(name), len(self._row_seals)
+        rows.resize(number + 1, axis=0)
+        if rows.size:
+            rows[number] = value
 
 
 def layout_of_chunk(arrays: Mapping[str, Array], chunk: Solution) -> Layout:
@@ -59,14 +96,14 @@ def layout_of_chunk(arrays: Mapping[str, Array], chunk: Solution) -> Layout:
     )
 
 
-def write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> Ledger:
-    """Write a file with one chunk, or none, atomically."""
+def write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> ChunkWriter:
+    """Write a file with one chunk, or none, atomically; returns its writer, whose file is closed."""
     arrays = {} if solution is None else to_arrays(solution)
     layout = Layout({}, {}, {}) if solution is None else layout_of_chunk(arrays, solution)
     # Values as JSON returns them, because the seal covers what is read.
     words = (header.case, *map(json.dumps, (dict(header.metadata), dict(header.inputs), asdict(layout))))
     texts: dict[str, str] = dict(zip(TEXTS, words, strict=True))
-    ledger = Ledger(header_seal(texts), layout, [])
+    sealed = header_seal(texts)
     # Built in memory, because HDF5 does not survive a failed write: see disk_space.
     with h5py.File("image", "w", driver="core", backing_store=False, libver="latest") as file:
         file.attrs["format"] = np.bytes_(FORMAT)
@@ -78,8 +115,9 @@ def write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> 
         file.create_dataset("complete", data=np.int64(0))
         _create_growing(file, "commits", np.empty((0, N_COLUMNS)))
         _create_growing(file, "seals/chunks", np.empty((0, 2 * SIZE), np.uint8))
-        file.create_dataset("seals/header", data=np.frombuffer(ledger.header, np.uint8))
+        file.create_dataset("seals/header", data=np.frombuffer(sealed, np.uint8))
         file.create_dataset("seals/end", data=np.frombuffer(NO_END, np.uint8))
+        writer = ChunkWriter(file, sealed, layout)
         if solution is not None:
             for name, array in arrays.items():
                 _create_growing(file, name, array)
@@ -87,15 +125,14 @@ def write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> 
                     file[name].attrs[key] = value
             for key, value in solution.engine_state.items():
                 _create_growing(file, f"engine_state/{key}", np.asarray(value, dtype=float)[None])
-            _commit(file, ledger, arrays, solution)
+            writer.commit(arrays, solution)
         if header.complete:
-            mark_complete(file, ledger)
+            writer.finish()
         file.flush()
         image = file.id.get_file_image()
-    ledger.datasets.clear()  # they belong to the image in memory
     with replacing(path) as temporary:
         temporary.write_bytes(image)
-    return ledger
+    return writer
 
 
 def _create_growing(file: h5py.File, name: str, array: np.ndarray) -> None:
@@ -110,47 +147,6 @@ def most_growth(arrays: Mapping[str, Array]) -> int:
     """Upper limit of the file's growth in bytes: the rows, a partial block at either end, and their index."""
     rows = sum(array.nbytes + 2 * max(_BLOCK_BYTES, array[:1].nbytes) for array in arrays.values())
     return rows + rows // 8 + _INDEX_BYTES
-
-
-def append_chunk(file: h5py.File, ledger: Ledger, arrays: Mapping[str, Array], chunk: Solution) -> None:
-    """Write a chunk after the existing ones."""
-    for name, array in arrays.items():
-        target = ledger.dataset(file, name)
-        target.resize(ledger.n_times + len(array), axis=0)
-        if array.size:
-            target[ledger.n_times :] = array
-    for key in ledger.layout.engine_state:
-        _set_row(ledger.dataset(file, f"engine_state/{key}"), len(ledger.rows), chunk.engine_state[key])
-    file.flush()
-    _commit(file, ledger, arrays, chunk)
-
-
-def _commit(file: h5py.File, ledger: Ledger, arrays: Mapping[str, Array], chunk: Solution) -> None:
-    number, n_times = len(ledger.rows), len(arrays["times"])
-    state = {key: np.asarray(chunk.engine_state[key], dtype=np.float64) for key in ledger.layout.engine_state}
-    row = np.concatenate([[ledger.n_times, n_times], statistics_row(chunk.statistics)])
-    content = content_seal({path: (array.shape, [array]) for path, array in arrays.items()}, state)
-    sealed = row_seal(ledger.header, number, row, content)
-    # A chunk is valid once its row is written; therefore the seals are written first.
-    _set_row(ledger.dataset(file, "seals/chunks"), number, np.frombuffer(content + sealed, np.uint8))
-    file.flush()
-    _set_row(ledger.dataset(file, "commits"), number, row)
-    file.flush()
-    ledger.rows.append(sealed)
-    ledger.n_times += n_times
-
-
-def _set_row(rows: h5py.Dataset, number: int, value: Any) -> None:
-    rows.resize(number + 1, axis=0)
-    if rows.size:
-        rows[number] = value
-
-
-def mark_complete(file: h5py.File, ledger: Ledger) -> None:
-    """Seal the complete run."""
-    dataset(file, "seals/end")[...] = np.frombuffer(end_seal(ledger.header, ledger.rows), np.uint8)
-    file.flush()
-    dataset(file, "complete")[()] = 1
 
 
 def open_single_writer(path: Path) -> h5py.File:

@@ -44,7 +44,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Self
 
-import h5py
 import numpy as np
 
 from supple.errors import ResultFileError
@@ -54,10 +53,8 @@ from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
 from supple.storage.hdf5_superblock import written_size
 from supple.storage.result_chunks import (
-    Ledger,
-    append_chunk,
+    ChunkWriter,
     layout_of_chunk,
-    mark_complete,
     most_growth,
     open_single_writer,
     write_whole,
@@ -90,10 +87,9 @@ class ResultFile:
         self.path = path
         self.header = header
         self._lock = lock
-        self._file: h5py.File | None = None
+        self._writer: ChunkWriter | None = None
         self._place: os.stat_result | None = None
         self._closed = False
-        self._ledger: Ledger | None = None
         self.last_time = -math.inf
         if written is not None:
             self._start(written)
@@ -169,14 +165,14 @@ class ResultFile:
         self._check_open("append to")
         arrays = to_arrays(chunk)
         self._check(arrays, chunk)
-        if self._file is None or self._ledger is None:
+        if self._writer is None:
             self._start(chunk)
             return
         self._check_in_place()
         kept = f" (the run up to t = {self.last_time:g} is stored and can be continued)"
         with file_errors("write", self.path, note=kept):
             reserve_space(self.path, written_size(self.path) + most_growth(arrays))
-            append_chunk(self._file, self._ledger, arrays, chunk)
+            self._writer.append(arrays, chunk)
         self.last_time = float(chunk.times[-1])
 
     def solution(self) -> Solution:
@@ -201,18 +197,17 @@ class ResultFile:
     @property
     def _content(self) -> ResultContent:
         self._check_open("read the run being written in")
-        if self._file is None:
+        if self._writer is None:
             raise ResultFileError(f"{self.path} contains no output times yet; append some first")
-        return ResultContent(self.path, self._file)
+        return ResultContent(self.path, self._writer.file)
 
     def finish(self) -> None:
         """Mark the run complete and close the file; ResultFileError if it is closed already."""
         self._check_open("finish")
-        if self._file is not None and self._ledger is not None:
+        if self._writer is not None:
             self._check_in_place()
             with file_errors("write", self.path):
-                mark_complete(self._file, self._ledger)
-                self._file.flush()
+                self._writer.finish()
         else:
             write_whole(self.path, replace(self.header, complete=True), None)
         self.close()
@@ -221,10 +216,10 @@ class ResultFile:
         """Close the file as it is, and release its lock."""
         self._closed = True
         try:
-            if self._file is not None:
+            if self._writer is not None:
                 with file_errors("close", self.path):
-                    self._file.close()
-                    self._file = None
+                    self._writer.file.close()
+                    self._writer = None
                     if self._is_in_place():
                         os.truncate(self.path, written_size(self.path))  # release the unused reserved space
         finally:
@@ -238,10 +233,11 @@ class ResultFile:
 
     def _start(self, written: Solution) -> None:
         # The datasets must exist before single-writer mode begins: they are created with the first chunk.
-        self._ledger = write_whole(self.path, self.header, written)
+        writer = write_whole(self.path, self.header, written)
         with file_errors("open", self.path):
-            self._file = open_single_writer(self.path)
+            writer.go_on_in(open_single_writer(self.path))
             self._place = self.path.stat()
+        self._writer = writer
         self.last_time = float(written.times[-1])
 
     def _is_in_place(self) -> bool:
@@ -264,8 +260,8 @@ class ResultFile:
                 f"cannot append to {self.path}: its times end at {self.last_time:g} and the new ones "
                 f"({seen}) do not increase from there: append chunks in order of time"
             )
-        if self._ledger is not None:
-            begun, given = self._ledger.layout, layout_of_chunk(arrays, chunk)
+        if self._writer is not None:
+            begun, given = self._writer.layout, layout_of_chunk(arrays, chunk)
             # A file may begin with chunks without engine state; the reverse is not allowed.
             there = dict(begun.arrays) | {
                 f"engine_state/{key}": shape for key, shape in begun.engine_state.items()
