@@ -32,7 +32,7 @@ from supple.integrate import FixedStep, Run, RungeKutta4
 from supple.machine import Fixed, FollowerForce, Placed, System
 from supple.methods.intrinsic import CondensedLine, IntrinsicBody, LoadPath, condense
 from supple.methods.intrinsic.engine import IntrinsicEngine
-from supple.methods.intrinsic.line_march import march_lines
+from supple.methods.intrinsic.line_march import Stepping, compiled_march
 from supple.simulation import simulate
 from supple_benchmarks.intrinsic.box_beam import meshed
 
@@ -73,13 +73,12 @@ class InSupple:
 
     def _cost(self) -> tuple[float, float]:
         began, began_wall = process_time(), perf_counter()
-        reached = march_lines(
+        reached = compiled_march(
+            Stepping(self._engine.rule, N_STEPS),
             self._engine.lines,
             self._start,
             np.array([DURATION]),
-            rule=self._engine.rule,
-            n_steps=N_STEPS,
-            tolerance=self._engine.tolerance,
+            self._engine.tolerance,
         )
         reached.time.block_until_ready()
         return process_time() - began, perf_counter() - began_wall

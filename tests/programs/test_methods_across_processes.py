@@ -74,7 +74,7 @@ def _run(machine, folder):
 
 @pytest.mark.parametrize(
     ("machine", "march"),
-    [(EXPLICIT, "kept_march_to"), (INTRINSIC, "kept_march_by"), (FLOATING, "kept_march")],
+    [(EXPLICIT, "kept_march_to"), (INTRINSIC, "kept_march_lines"), (FLOATING, "kept_march")],
     ids=["explicit", "intrinsic", "floating"],
 )
 def test_a_second_process_traces_no_program(machine, march, tmp_path):

@@ -20,7 +20,7 @@ from supple.integrate import Progress, Run, Solution
 from supple.machine import System
 from supple.methods.floating.compiled.batch_start import differing, form_of, stacked
 from supple.methods.intrinsic import IntrinsicEngine
-from supple.methods.intrinsic.line_march import LineMarchState
+from supple.methods.intrinsic.line_march import LineMarchState, Stepping
 from supple.methods.intrinsic.line_system import LineSystem
 from supple.methods.intrinsic.march_of_cases import march_of_cases
 from supple.methods.intrinsic.report_truncation import report_truncation_of_cases
@@ -55,7 +55,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
     chunk = min(chunk, len(cases))
     stations = sum(np.size(model.twists) for model in systems[0].lines)
     require_memory_of_chunk(systems[0], axes, starts[0], chunk, len(run.times), 10 * stations)
-    march = march_of_cases(structure, axes, first.rule, n_steps, run.tolerances.max_iterations)
+    march = march_of_cases(structure, axes, Stepping(first.rule, n_steps, run.tolerances.max_iterations))
     times = jnp.asarray(run.times[1:])
     devices = jax.devices()
     preparing = clock.perf_counter() - began

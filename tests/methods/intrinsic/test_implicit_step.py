@@ -11,7 +11,7 @@ from supple.body import RayleighDamping
 from supple.integrate import GeneralizedAlpha
 from supple.machine import Constant, DeadForce, Fixed, System
 from supple.methods.intrinsic import CLAMPED, FREE, intrinsic_body
-from supple.methods.intrinsic.line_march import first_march_state, march_lines
+from supple.methods.intrinsic.line_march import Stepping, first_march_state, march_lines
 from supple.methods.intrinsic.line_model import rest_state
 from supple.methods.intrinsic.line_slope import system_slope
 from supple.methods.intrinsic.line_system import LineSystem, places_of, system_rates
@@ -46,7 +46,7 @@ def tip_after():
         rule = GeneralizedAlpha(0.9)
         system = LineSystem((model,), (None,), (Follower(AXES, Constant(jnp.asarray(force)), 4, 0),))
         start = first_march_state(system, rule, 0.0, (rest_state(model),))
-        end = march_lines(system, start, jnp.array([0.1, 0.2]), rule=rule, n_steps=5, tolerance=1e-13)
+        end = march_lines(Stepping(rule, 5), system, start, jnp.array([0.1, 0.2]), 1e-13)
         state = jax.tree.map(lambda leaf: leaf[-1], end.states[0])
         return places_of(model, None, state, 0.2).positions[-1]
 

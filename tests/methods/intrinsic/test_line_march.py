@@ -11,7 +11,7 @@ from fixtures.beam_lines import beam_line, straight
 from supple.integrate import RungeKutta4
 from supple.machine import Constant
 from supple.methods.intrinsic import CLAMPED, intrinsic_modes
-from supple.methods.intrinsic.line_march import first_march_state, march_lines
+from supple.methods.intrinsic.line_march import Stepping, first_march_state, march_lines
 from supple.methods.intrinsic.line_model import line_model, rest_state
 from supple.methods.intrinsic.line_system import LineSystem, places_of
 from supple.methods.intrinsic.station_loads import Follower
@@ -30,7 +30,7 @@ def tip_after():
         law = Constant(jnp.asarray(force))
         system = LineSystem((own,), (None,), (Follower(AXES, law, 4, 0),))
         start = first_march_state(system, RungeKutta4(), 0.0, (rest_state(own),))
-        end = march_lines(system, start, jnp.array([0.2]), rule=RungeKutta4(), n_steps=20)
+        end = march_lines(Stepping(RungeKutta4(), 20), system, start, jnp.array([0.2]))
         state = jax.tree.map(lambda leaf: leaf[-1], end.states[0])
         return places_of(own, None, state, 0.2).positions[-1]
 

@@ -28,8 +28,8 @@ from supple.methods.intrinsic.line_march import (
     LineMarchState,
     LineRule,
     Stepping,
+    compiled_march,
     first_march_state,
-    march_by,
 )
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_system import LineSystem
@@ -115,7 +115,7 @@ class IntrinsicEngine:
         """Integrate to each of the output times, in one call of the compiled program."""
         began = clock.perf_counter()
         # A short leg repeats its last time, with steps of zero length.
-        reached = march_by(
+        reached = compiled_march(
             Stepping(self.rule, self.n_steps, self._run.tolerances.max_iterations),
             self.lines,
             state,

@@ -25,7 +25,7 @@ from supple.methods.intrinsic.residual_modes import at_rest_rates, inverse_of_hi
 from supple.methods.intrinsic.runge_kutta import runge_kutta_step
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["LineMarchState", "LineRule", "Stepping", "first_march_state", "march_by", "march_lines"]
+__all__ = ["LineMarchState", "LineRule", "Stepping", "compiled_march", "first_march_state", "march_lines"]
 
 LineRule = RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha
 """Step rules for lines; GeneralizedAlpha(1.0) conserves energy."""
@@ -60,23 +60,30 @@ def first_march_state(system: LineSystem, rule: LineRule, time: float, states: S
     return LineMarchState(jnp.asarray(float(time)), states, jnp.zeros(0), none, count)
 
 
-@partial(jax.jit, static_argnames=("rule", "n_steps", "max_iterations"))
+@register_static
+@dataclass(frozen=True)
+class Stepping:
+    """Static arguments of `march_lines`: step rule, steps to an output time, iterations of a step at most."""
+
+    rule: LineRule
+    n_steps: int
+    max_iterations: int = 12
+
+
 def march_lines(
+    stepping: Stepping,
     system: LineSystem,
     start: LineMarchState,
     times: jax.Array,
-    *,
-    rule: LineRule,
-    n_steps: int,
-    tolerance: Any = 1e-10,
-    max_iterations: int = 12,
+    tolerance: jax.Array | float = 1e-10,
 ) -> LineMarchState:
-    """The states at output times (t,), each reached in `n_steps` equal steps; leaves have a leading axis.
+    """The states at output times (t,), each reached in equal steps; leaves have a leading axis.
 
     The function can be mapped over cases (`jax.vmap`), and differentiated in forward and reverse mode.
     """
-    step = _step_of(system, rule, tolerance, max_iterations)
-    tangent = first_tangent(start.rates.size) if isinstance(rule, GeneralizedAlpha) else None
+    n_steps = stepping.n_steps
+    step = _step_of(system, stepping, tolerance)
+    tangent = first_tangent(start.rates.size) if isinstance(stepping.rule, GeneralizedAlpha) else None
 
     def to_output(
         carry: tuple[LineMarchState, Any], end: jax.Array
@@ -97,31 +104,7 @@ def march_lines(
     return jax.lax.scan(to_output, (start, tangent), times)[1]
 
 
-@register_static
-@dataclass(frozen=True)
-class Stepping:
-    """Static arguments of the compiled time integration of lines."""
-
-    rule: LineRule
-    n_steps: int
-    max_iterations: int
-
-
-def _march_by(
-    stepping: Stepping, system: LineSystem, start: LineMarchState, times: jax.Array, tolerance: Any
-) -> LineMarchState:
-    return march_lines(
-        system,
-        start,
-        times,
-        rule=stepping.rule,
-        n_steps=stepping.n_steps,
-        tolerance=tolerance,
-        max_iterations=stepping.max_iterations,
-    )
-
-
-march_by = CachedProgram(_march_by)
+compiled_march = CachedProgram(march_lines)
 """`march_lines` as a compiled program that later processes reuse."""
 
 
@@ -129,8 +112,8 @@ Step = Callable[[LineMarchState, Any, Any], tuple[LineMarchState, Any]]
 """A step h from a state, with the tangent if the rule reuses one."""
 
 
-def _step_of(system: LineSystem, rule: LineRule, tolerance: Any, max_iterations: int) -> Step:
-    match rule:
+def _step_of(system: LineSystem, stepping: Stepping, tolerance: jax.Array | float) -> Step:
+    match rule := stepping.rule:
         case RungeKutta4():
             rates = partial(system_rates, system)
             return lambda now, kept, h: (
@@ -140,7 +123,7 @@ def _step_of(system: LineSystem, rule: LineRule, tolerance: Any, max_iterations:
         case ResidualRungeKutta4():
             return lambda now, kept, h: (_residual_step(system, rule, now, h), kept)
         case GeneralizedAlpha():
-            return partial(_implicit, system, rule, tolerance, max_iterations)
+            return partial(_implicit, system, rule, tolerance, stepping.max_iterations)
 
 
 def _kept(system: LineSystem, rule: ResidualRungeKutta4) -> tuple[int, ...]:

@@ -16,7 +16,7 @@ import jax.numpy as jnp
 
 from supple.integrate import RungeKutta4
 from supple.methods.intrinsic.line_equations import RootTwist, line_rates, station_velocities
-from supple.methods.intrinsic.line_march import LineMarchState, LineRule, march_lines
+from supple.methods.intrinsic.line_march import LineMarchState, Stepping, march_lines
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_system import LineSystem, States, root_rates, wrenches_on
 from supple.methods.intrinsic.runge_kutta import runge_kutta_step
@@ -30,9 +30,7 @@ Axes: TypeAlias = tuple[int | None, ...]
 
 
 @lru_cache(maxsize=32)
-def march_of_cases(
-    structure: Any, axes: Axes, rule: LineRule, n_steps: int, max_iterations: int
-) -> Callable[..., LineMarchState]:
+def march_of_cases(structure: Any, axes: Axes, stepping: Stepping) -> Callable[..., LineMarchState]:
     """Compiled time integration of k cases for one pattern of shared data.
 
     structure : tree structure of a `LineSystem`;  axes : batch axes of its leaves
@@ -41,25 +39,13 @@ def march_of_cases(
     steps. It returns states (k, t, ...).
     """
     of_lines = axes[: structure.children()[0].num_leaves]  # the first field of a system
-    if isinstance(rule, RungeKutta4) and 0 not in of_lines:
-        return jax.jit(
-            partial(_together, structure, axes, n_steps),
-        )
+    if isinstance(stepping.rule, RungeKutta4) and 0 not in of_lines:
+        return jax.jit(partial(_together, structure, axes, stepping.n_steps))
 
     def one(own: list[Any], start: LineMarchState, times: jax.Array, tolerance: Any) -> LineMarchState:
-        return march_lines(
-            jax.tree.unflatten(structure, own),
-            start,
-            times,
-            rule=rule,
-            n_steps=n_steps,
-            tolerance=tolerance,
-            max_iterations=max_iterations,
-        )
+        return march_lines(stepping, jax.tree.unflatten(structure, own), start, times, tolerance)
 
-    return jax.jit(
-        jax.vmap(one, in_axes=(list(axes), 0, None, None)),
-    )
+    return jax.jit(jax.vmap(one, in_axes=(list(axes), 0, None, None)))
 
 
 def _together(
