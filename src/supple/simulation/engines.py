@@ -12,8 +12,8 @@ from supple.machine import System
 from supple.methods.explicit import ExplicitEngine
 from supple.methods.floating import CompiledEngine, FullEngine, FullKinematicEngine, KinematicEngine
 from supple.methods.intrinsic import intrinsic_engine
-from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.line_in_frame import lines_in_frames
+from supple.methods.intrinsic.stable_step import with_chosen_step
 from supple.methods.intrinsic.supported_root import is_joined
 
 __all__ = ["register_engine"]

@@ -12,8 +12,8 @@ import numpy as np
 
 from supple.methods.intrinsic import CLAMPED, intrinsic_modes
 from supple.methods.intrinsic.line_equations import line_rates
+from supple.methods.intrinsic.line_march import runge_kutta_step
 from supple.methods.intrinsic.line_model import line_model
-from supple.methods.intrinsic.runge_kutta import runge_kutta_step
 from supple_benchmarks.intrinsic.beams import beam_line
 from supple_benchmarks.intrinsic.dense_couplings import dense_couplings, dense_rates
 

@@ -21,7 +21,7 @@ from supple.methods.intrinsic import (
     strain_integration,
 )
 from supple.methods.intrinsic.line_model import line_model
-from supple.methods.intrinsic.runge_kutta import linear_eigenvalues
+from supple.methods.intrinsic.stable_step import linear_eigenvalues
 from supple.methods.intrinsic.strain_integration import rotation_of
 from supple_benchmarks.intrinsic import dense_couplings as dense
 

@@ -6,7 +6,6 @@ station and its parent, which is nearer the root. The modes of a line belong to 
 roots on the ground, `JoinedEngine` machines in which joints connect lines to each other and to other bodies.
 """
 
-from supple.methods.intrinsic.chosen_step import *
 from supple.methods.intrinsic.condensation_error import *
 from supple.methods.intrinsic.condense import *
 from supple.methods.intrinsic.condensed_line import *
@@ -22,4 +21,5 @@ from supple.methods.intrinsic.load_path_tree import *
 from supple.methods.intrinsic.released import *
 from supple.methods.intrinsic.root_support import *
 from supple.methods.intrinsic.section_line import *
+from supple.methods.intrinsic.stable_step import *
 from supple.methods.intrinsic.truncation_error import *

@@ -21,7 +21,6 @@ from supple.integrate import (
     leg_size,
 )
 from supple.machine import System
-from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.full_leg import full_leg
 from supple.methods.intrinsic.joined_engine import ITERATED, JoinedEngine
 from supple.methods.intrinsic.line_march import (
@@ -35,7 +34,7 @@ from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_system import LineSystem
 from supple.methods.intrinsic.machine_of_lines import MachineOfLines, machine_of_lines
 from supple.methods.intrinsic.root_reaction import reactions
-from supple.methods.intrinsic.stable_step import check_stable
+from supple.methods.intrinsic.stable_step import check_stable, with_chosen_step
 from supple.methods.intrinsic.supported_root import is_joined
 
 __all__ = ["IntrinsicEngine", "intrinsic_engine"]

@@ -20,7 +20,6 @@ from supple.equations.sampling import sampling_of
 from supple.errors import ModelError
 from supple.integrate import GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
 from supple.machine import At, System
-from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.full_leg import full_leg
 from supple.methods.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
 from supple.methods.intrinsic.joined_equations import JoinedInstant, JoinedRates, all_velocities
@@ -28,6 +27,7 @@ from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine,
 from supple.methods.intrinsic.joined_solution import joined_solution
 from supple.methods.intrinsic.joined_start import instant_rates, joined_start
 from supple.methods.intrinsic.joined_step import JoinedState, joined_step
+from supple.methods.intrinsic.stable_step import with_chosen_step
 from supple.programs.program_cache import CachedProgram
 
 __all__ = ["ITERATED", "JoinedEngine", "JoinedStepping"]

@@ -22,10 +22,17 @@ from supple.methods.intrinsic.implicit_step import (
 from supple.methods.intrinsic.line_slope import system_slope
 from supple.methods.intrinsic.line_system import LineSystem, States, system_rates
 from supple.methods.intrinsic.residual_modes import at_rest_rates, inverse_of_high, slaved
-from supple.methods.intrinsic.runge_kutta import runge_kutta_step
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["LineMarchState", "LineRule", "Stepping", "compiled_march", "first_march_state", "march_lines"]
+__all__ = [
+    "LineMarchState",
+    "LineRule",
+    "Stepping",
+    "compiled_march",
+    "first_march_state",
+    "march_lines",
+    "runge_kutta_step",
+]
 
 LineRule = RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha
 """Step rules for lines; GeneralizedAlpha(1.0) conserves energy."""
@@ -124,6 +131,19 @@ def _step_of(system: LineSystem, stepping: Stepping, tolerance: jax.Array | floa
             return lambda now, kept, h: (_residual_step(system, rule, now, h), kept)
         case GeneralizedAlpha():
             return partial(_implicit, system, rule, tolerance, stepping.max_iterations)
+
+
+def runge_kutta_step(rates: Callable[[Any, Any], Any], time: Any, state: Any, h: Any) -> Any:
+    """The state after a step h of the classical Runge-Kutta rule, to fourth order, from y' = rates(t, y)."""
+
+    def moved(by: Any, factor: float) -> Any:
+        return jax.tree.map(lambda y, k: y + factor * h * k, state, by)
+
+    k1 = rates(time, state)
+    k2 = rates(time + h / 2, moved(k1, 0.5))
+    k3 = rates(time + h / 2, moved(k2, 0.5))
+    k4 = rates(time + h, moved(k3, 1.0))
+    return jax.tree.map(lambda y, a, b, c, d: y + h / 6 * (a + 2 * (b + c) + d), state, k1, k2, k3, k4)
 
 
 def _kept(system: LineSystem, rule: ResidualRungeKutta4) -> tuple[int, ...]:

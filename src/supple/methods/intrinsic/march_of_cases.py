@@ -16,10 +16,9 @@ import jax.numpy as jnp
 
 from supple.integrate import RungeKutta4
 from supple.methods.intrinsic.line_equations import RootTwist, line_rates, station_velocities
-from supple.methods.intrinsic.line_march import LineMarchState, Stepping, march_lines
+from supple.methods.intrinsic.line_march import LineMarchState, Stepping, march_lines, runge_kutta_step
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_system import LineSystem, States, root_rates, wrenches_on
-from supple.methods.intrinsic.runge_kutta import runge_kutta_step
 from supple.methods.intrinsic.station_loads import MovingStations
 from supple.methods.intrinsic.strain_integration import rotation_of, station_places
 
