@@ -17,8 +17,8 @@ from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution
 from supple.machine import Contact, Controller, JointReading, Placed, SurfaceContact, System
 from supple.machine.obstacles import is_moving, moved
 from supple.methods.explicit import OBSTACLES
-from supple.methods.intrinsic.continuation import placed_at_instant
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.methods.intrinsic.machine_of_lines import placed_at_instant
 from supple.simulation.carried_deformation import (
     Deformation,
     PlacedFrame,

@@ -472,9 +472,8 @@ def test_the_moment_of_a_joint_on_the_ground_is_about_the_point_of_the_ground():
     )
     machine = machine_of_lines(System([body], [slide]), 0.0)
     own = np.array([[[0, 0, 1.0, 0, -0.5, 0]]])  # on the root
-    moved = machine.motions(
-        np.zeros(1), tuple(jax.tree.map(lambda leaf: np.asarray(leaf)[None], machine.start))
-    )
+    states = tuple(jax.tree.map(lambda leaf: np.asarray(leaf)[None], machine.start))
+    moved = machine.motions(np.zeros(1), states, [np.zeros_like(state.q1) for state in states])
     assert moved["beam"].position[0] == pytest.approx([1.0, 0, 0])
     found = machine.joint_forces(own, moved)["slide"][0]
     at = slide.initial_axes

@@ -25,10 +25,9 @@ from supple.methods.intrinsic.joined_equations import JoinedInstant, coupled_for
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine, with_stations
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_slope import system_slope
-from supple.methods.intrinsic.line_system import LineSystem, States, system_rates
+from supple.methods.intrinsic.line_system import LineSystem, RootDrive, States, system_rates
 from supple.methods.intrinsic.machine_of_lines import line_motion, machine_of_lines
 from supple.methods.intrinsic.released import released
-from supple.methods.intrinsic.root_drive import RootDrive
 from supple.methods.intrinsic.supported_root import is_joined
 from supple.programs.program_cache import CachedProgram
 

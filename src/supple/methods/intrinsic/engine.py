@@ -33,7 +33,6 @@ from supple.methods.intrinsic.line_march import (
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_system import LineSystem
 from supple.methods.intrinsic.machine_of_lines import MachineOfLines, machine_of_lines
-from supple.methods.intrinsic.root_reaction import reactions
 from supple.methods.intrinsic.stable_step import check_stable, with_chosen_step
 from supple.methods.intrinsic.supported_root import is_joined
 
@@ -65,7 +64,6 @@ class IntrinsicEngine:
     least_leg = 1
 
     def __init__(self, system: System, run: Run) -> None:
-        self._system = system
         self.rule = line_rule(run)
         self._run = run = with_chosen_step(system, run)
         if not isinstance(run.step_control, FixedStep):
@@ -184,27 +182,17 @@ class IntrinsicEngine:
     def solution(self, leg: Leg[LineMarchState]) -> Solution:
         """The motion of a leg, and joint forces from the balance of the bodies."""
         states: LineMarchState = leg.states
-        times = np.asarray(states.time)
-        filled = full_leg((times, states.states), self._length)
-        found, rates = jax.device_get(reactions(self._machine.lines, *filled))
-        rates = [rate[: len(times)] for rate in rates]
-        motions = self._machine.motions(times, states.states, rates)
         last = leg.last
         kept = {
             f"{number} {name}": np.asarray(getattr(state, name))
             for number, state in enumerate(last.states)
             for name in _NAMES
         }
-        return Solution(
-            times=times,
-            bodies=motions,
-            joint_forces=self._machine.joint_forces(found[: len(times)], motions),
-            statistics=leg.statistics,
-            engine_state=kept
-            | {
-                "rates": np.asarray(last.rates),
-                "worst": np.asarray(float(last.worst)),
-                "iterations": np.asarray(float(last.iterations)),
-            },
-            multipliers={joint.name: np.zeros((len(times), 0)) for joint in self._system.joints},
+        kept |= {
+            "rates": np.asarray(last.rates),
+            "worst": np.asarray(float(last.worst)),
+            "iterations": np.asarray(float(last.iterations)),
+        }
+        return self._machine.solution(
+            np.asarray(states.time), states.states, leg.statistics, length=self._length, engine_state=kept
         )

@@ -37,10 +37,9 @@ from supple.machine import (
 from supple.methods.intrinsic.equal_lines import EqualLines, for_each_line
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.line_model import LineModel, LineState
-from supple.methods.intrinsic.line_system import LineSystem, States
+from supple.methods.intrinsic.line_system import LineSystem, RootDrive, States
 from supple.methods.intrinsic.machine_loads import machine_loads
 from supple.methods.intrinsic.machine_of_lines import line_start, machine_of_lines
-from supple.methods.intrinsic.root_drive import RootDrive
 from supple.methods.intrinsic.station_loads import StationLoad
 from supple.methods.intrinsic.strain_integration import StationPlaces, rotation_of, station_places
 

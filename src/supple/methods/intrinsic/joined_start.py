@@ -38,8 +38,7 @@ from supple.methods.intrinsic.joined_equations import (
 )
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, with_stations
 from supple.methods.intrinsic.line_model import LineState
-from supple.methods.intrinsic.machine_of_lines import frame_to_root
-from supple.methods.intrinsic.rigid_motion import amplitudes_of, rigid_motion
+from supple.methods.intrinsic.machine_of_lines import amplitudes_of, frame_to_root, rigid_motion
 from supple.programs.program_cache import CachedProgram
 
 __all__ = [

@@ -39,9 +39,8 @@ from supple.methods.intrinsic.line_steady import (
     steady,
     unbalanced_at,
 )
+from supple.methods.intrinsic.line_system import RootDrive
 from supple.methods.intrinsic.machine_of_lines import MachineOfLines
-from supple.methods.intrinsic.root_drive import RootDrive
-from supple.methods.intrinsic.root_reaction import reactions
 from supple.methods.intrinsic.strain_integration import rotation_of
 from supple.methods.intrinsic.supported_root import is_joined, supported_root
 
@@ -199,18 +198,11 @@ class LineStatics(SteadyEquations):
         now, rates, velocities = jax.tree.map(lambda leaf: np.asarray(leaf)[None], found)
         statistics = Statistics(iterations=iterations)
         if self._supported:
-            system, times = self.machine.system, np.array([time])
+            system = self.machine.system
             roots = tuple(supported_root(system, placed) for placed in system.bodies)
             machine = MachineOfLines(system, arrays.line_system, found[0].lines, roots)
-            forces, _ = jax.device_get(reactions(machine.lines, times, now.lines))
-            motions = machine.motions(times, now.lines, [rate.q1 for rate in rates.lines])
-            return Solution(
-                times=times,
-                bodies=motions,
-                joint_forces=machine.joint_forces(forces, motions),
-                statistics=statistics,
-                multipliers={joint.name: np.zeros((1, 0)) for joint in system.joints},
-            )
+            own_rates = [rate.q1 for rate in rates.lines]
+            return machine.solution(np.array([time]), now.lines, statistics, own_rates)
         machine, multipliers = self.machine._replace(arrays=arrays), np.asarray(state.multipliers)[None]
         return joined_solution(machine, now, velocities, rates, multipliers, statistics)
 

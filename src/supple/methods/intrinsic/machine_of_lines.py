@@ -3,35 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.algebra.cross import cross_matrix
+from supple.algebra.cross import cross_matrices, cross_matrix
 from supple.algebra.rotation import euler_parameters
+from supple.equations.compiler_options import STARTING
 from supple.errors import ModelError
+from supple.integrate import Solution, Statistics
 from supple.machine import Placed, System
-from supple.methods.intrinsic.intrinsic_body import body_of
+from supple.methods.intrinsic.full_leg import full_leg
+from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.line_model import LineModel, LineState
-from supple.methods.intrinsic.line_system import LineSystem, States
+from supple.methods.intrinsic.line_system import LineSystem, RootDrive, States, reactions
 from supple.methods.intrinsic.machine_loads import machine_loads
-from supple.methods.intrinsic.rigid_motion import amplitudes_of, rigid_motion
-from supple.methods.intrinsic.root_drive import RootDrive
-from supple.methods.intrinsic.strain_integration import rotation_of
+from supple.methods.intrinsic.strain_integration import rotation_of, station_places
 from supple.methods.intrinsic.supported_root import SupportedRoot, is_joined, supported_root
 from supple.programs.program_cache import CachedProgram
 
 __all__ = [
     "MachineOfLines",
+    "amplitudes_of",
     "check_held_by_ground",
     "frame_to_root",
     "line_motion",
     "line_start",
     "machine_of_lines",
+    "placed_at_instant",
+    "rigid_motion",
 ]
 
 Array = np.ndarray
@@ -57,15 +62,36 @@ class MachineOfLines:
     start: States
     roots: tuple[SupportedRoot, ...]
 
-    def motions(
-        self, times: Array, states: States, rates: Sequence[Any] | None = None
-    ) -> dict[str, IntrinsicMotion]:
-        """Motions by body name from stacked states (leading axis: time).
+    def solution(
+        self,
+        times: Array,
+        states: States,
+        statistics: Statistics,
+        rates: Sequence[Array] | None = None,
+        *,
+        length: int = 1,
+        engine_state: Mapping[str, Array] = MappingProxyType({}),
+    ) -> Solution:
+        """Stacked states (leading axis: time) as a solution, joint forces from the balance of the bodies.
 
-        rates : q_1' (t, m) of each line; without them, accelerations are unknown (nan)
+        rates : q_1' (t, m) of each line; by default those of the equations of motion
+        length : least number of instants of the compiled program
         """
-        known = rates or [np.full(np.shape(state.q1), np.nan) for state in states]
-        each = zip(self.system.bodies, self.lines.lines, self.lines.drives, states, known, strict=True)
+        n, filled = len(times), full_leg((times, states), length)
+        found, of_equations = jax.device_get(reactions(self.lines, *filled))
+        motions = self.motions(times, states, rates or [rate[:n] for rate in of_equations])
+        return Solution(
+            times=times,
+            bodies=motions,
+            joint_forces=self.joint_forces(found[:n], motions),
+            statistics=statistics,
+            engine_state=engine_state,
+            multipliers={joint.name: np.zeros((n, 0)) for joint in self.system.joints},
+        )
+
+    def motions(self, times: Array, states: States, rates: Sequence[Array]) -> dict[str, IntrinsicMotion]:
+        """Motions by body name from states and rates q_1' (t, m) of each line, stacked over time."""
+        each = zip(self.system.bodies, self.lines.lines, self.lines.drives, states, rates, strict=True)
         return {
             placed.body.name: line_motion(placed, model, drive, state, rate, times)
             for placed, model, drive, state, rate in each
@@ -186,6 +212,58 @@ def frame_to_root(placed: Placed) -> Array:
     return found
 
 
+def placed_at_instant(placed: Placed, motion: IntrinsicMotion, row: int) -> Placed:
+    """The body placed as in a row of its motion; its first state (`line_start`) is the state of this row.
+
+        q_1 = Phi_1^T M ( R(q_2) (d + F c) - T d ) + (0, rates)
+
+    Phi_1 are the modes, M is the mass, d the twist of a driven root, and F the free twists of the root. R and
+    T are the rigid motions of the stations in the bent line and in the line at rest. The rigid modes give the
+    coefficients c, the elastic modes the coordinate rates `rates`.
+    """
+    body, q1 = body_of(placed), motion.rates[row]
+    moved = placed.moved_to(motion.position[row], motion.rotation[row])
+    moved = replace(moved, coordinates=motion.coordinates[row])
+    n, from_frame = body.modes.n_rigid, frame_to_root(moved)
+    twist = from_frame @ np.concatenate([motion.velocity[row], motion.angular_velocity[row]])
+    driven = twist - body.modes.velocities[0] @ q1
+    bent = rigid_motion(body, np.asarray(body.forces_of(moved.coordinates)))
+    free = body.modes.velocities[0][:, :n]
+    own = amplitudes_of(body, bent @ driven - body.line.twists @ driven)
+    by_free = amplitudes_of(body, bent @ free)
+    c = np.linalg.solve(by_free[:n], q1[:n] - own[:n])
+    rates = q1 - own - by_free @ c
+    if n == 0:  # the joint or drive determines the motion of the root
+        return replace(moved, velocity=None, angular_velocity=None, coordinate_rates=rates)
+    velocity, angular = np.split(np.linalg.solve(from_frame, driven + free @ c), 2)
+    return replace(moved, velocity=velocity, angular_velocity=angular, coordinate_rates=rates[n:])
+
+
+def rigid_motion(body: IntrinsicBody, q2: Array) -> Array:
+    """Velocities (6 n, 6) of the stations, along their own axes, for each unit component of the root's twist.
+
+    With rotation R and position p of a station relative to the root:  v = R^T (v_0 + w_0 x p),  w = R^T w_0
+    q2 : (e,)   constant amplitudes of forces and strains
+    """
+    if not q2.any():
+        return body.line.twists
+    rotations, positions = (np.asarray(each) for each in _from_root(body.model, q2))
+    motion = np.zeros((len(positions), 6, 6))
+    turned = rotations.transpose(0, 2, 1)
+    motion[:, :3, :3] = motion[:, 3:, 3:] = turned
+    motion[:, :3, 3:] = -turned @ cross_matrices(positions)
+    return motion.reshape(-1, 6)
+
+
+def amplitudes_of(body: IntrinsicBody, velocities: Array) -> Array:
+    """Amplitudes q_1 (m, ...) of velocities (6 n, ...): `Phi_1^T M x_1`, nearest in kinetic energy."""
+    return body.modes.velocities.reshape(len(velocities), -1).T @ (body.line.mass @ velocities)
+
+
+def _places_from_root(model: LineModel, q2: jax.Array) -> tuple[jax.Array, jax.Array]:
+    return station_places(model, q2, jnp.eye(3), jnp.zeros(3))
+
+
 def line_motion(
     placed: Placed, model: LineModel, drive: RootDrive | None, state: LineState, rate: Any, times: Array
 ) -> IntrinsicMotion:
@@ -227,4 +305,5 @@ def _roots_over_time(
     return jax.vmap(at)(states, rates, times)
 
 
+_from_root = CachedProgram(_places_from_root, STARTING)
 _roots = CachedProgram(_roots_over_time)

@@ -22,7 +22,7 @@ from supple.machine import (
     System,
 )
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
-from supple.methods.intrinsic.root_drive import RootDrive
+from supple.methods.intrinsic.line_system import RootDrive
 from supple.methods.intrinsic.root_support import BALL, CLAMPED, FREE, RootSupport
 
 __all__ = ["SupportedRoot", "is_joined", "joints_of", "supported_root"]
