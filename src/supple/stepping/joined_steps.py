@@ -14,11 +14,11 @@ from supple.equations.configuration import AnyArray, SystemMotion
 from supple.equations.machine_model import Model
 from supple.integrate import Run
 from supple.machine import At, System
-from supple.methods.intrinsic.joined_engine import JoinedEngine, JoinedStepping
+from supple.methods.intrinsic.joined_engine import JoinedEngine
 from supple.methods.intrinsic.joined_equations import all_velocities, station_twists
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine
 from supple.methods.intrinsic.joined_start import instant_rates
-from supple.methods.intrinsic.joined_step import JoinedState, joined_step
+from supple.methods.intrinsic.joined_step import JoinedState, JoinedStepping, joined_step
 from supple.stepping.marching import Tree
 
 __all__ = ["JoinedSteps", "joined_steps"]
@@ -42,7 +42,6 @@ class JoinedSteps:
 
     def reached(self, arrays: JoinedArrays, state: SteppedState, end: AnyArray) -> SteppedState:
         """The state at the time `end`, or before the first step that does not converge."""
-        coefficients, tolerance, most, limit = self.stepping
         number = jnp.ceil((end - state.time) / self.size * (1 - 1e-9))
         h = (end - state.time) / jnp.maximum(number, 1.0)
 
@@ -51,11 +50,11 @@ class JoinedSteps:
 
         def one(carry: tuple[AnyArray, SteppedState]) -> tuple[AnyArray, SteppedState]:
             count, before = carry
-            march = joined_step(arrays, coefficients, tolerance, most, before.march, h)
+            march = joined_step(arrays, self.stepping, before.march, h)
             time = jnp.where(count + 1 < number, before.time + h, end)
             march = march._replace(now=march.now._replace(time=time))
             finite = jnp.stack([jnp.isfinite(leaf).all() for leaf in jax.tree.leaves(march.now)]).all()
-            good = finite & (march.worst <= limit)
+            good = finite & (march.worst <= self.stepping.limit)
             kept = jax.tree.map(lambda a, b: jnp.where(good, a, b), march, before.march)
             return count + 1, SteppedState(jnp.where(good, time, before.time), ~good, kept)
 

@@ -31,7 +31,7 @@ from supple.methods.intrinsic import (
     condensed_line,
     intrinsic_body,
 )
-from supple.methods.intrinsic.centre_drift import centre_drift
+from supple.methods.intrinsic.truncation_error import centre_drift
 from supple.simulation import equilibrium, simulate
 from supple_benchmarks.references.elastica import elastica
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from fixtures.beam_lines import beam_line, straight
+from fixtures.beam_lines import beam_line, rest_state, straight
 from jax.flatten_util import ravel_pytree
 
 from supple.body import RayleighDamping
@@ -12,7 +12,6 @@ from supple.integrate import GeneralizedAlpha
 from supple.machine import Constant, DeadForce, Fixed, System
 from supple.methods.intrinsic import CLAMPED, FREE, intrinsic_body
 from supple.methods.intrinsic.line_march import Stepping, first_march_state, march_lines
-from supple.methods.intrinsic.line_model import rest_state
 from supple.methods.intrinsic.line_slope import system_slope
 from supple.methods.intrinsic.line_system import LineSystem, places_of, system_rates
 from supple.methods.intrinsic.machine_of_lines import machine_of_lines

@@ -6,13 +6,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from fixtures.beam_lines import beam_line, straight
+from fixtures.beam_lines import beam_line, rest_state, straight
 
 from supple.integrate import RungeKutta4
 from supple.machine import Constant
 from supple.methods.intrinsic import CLAMPED, intrinsic_modes
 from supple.methods.intrinsic.line_march import Stepping, first_march_state, march_lines
-from supple.methods.intrinsic.line_model import line_model, rest_state
+from supple.methods.intrinsic.line_model import line_model
 from supple.methods.intrinsic.line_system import LineSystem, places_of
 from supple.methods.intrinsic.station_loads import Follower
 

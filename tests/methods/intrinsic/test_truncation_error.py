@@ -30,11 +30,10 @@ from supple.methods.intrinsic import (
     released,
     truncation_error,
 )
-from supple.methods.intrinsic.centre_drift import centre_drift
 from supple.methods.intrinsic.complete_motion import with_modes
 from supple.methods.intrinsic.expansion import expansion_of_stations
 from supple.methods.intrinsic.intrinsic_body import body_of
-from supple.methods.intrinsic.truncation_error import TruncationError
+from supple.methods.intrinsic.truncation_error import TruncationError, centre_drift
 from supple.simulation import simulate, simulate_batch
 from supple.simulation.description import inputs_of
 from supple.simulation.recorded_run import simulate_recorded

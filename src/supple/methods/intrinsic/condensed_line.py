@@ -14,7 +14,6 @@ from supple.arguments import check_numbers, check_text
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError
 from supple.methods.intrinsic.load_path_tree import LoadPathTree, load_path_tree
-from supple.methods.intrinsic.station_mass import cleaned_mass
 
 __all__ = ["CondensedLine", "clamped_line", "condensed_line"]
 
@@ -25,7 +24,10 @@ LARGEST_RIGID_FORCE = 1e-6
 ASYMMETRY = 1e-8
 """Largest difference of mirrored entries relative to the largest entry; a larger one is an error."""
 LARGEST_NEGATIVE = 1e-6
-"""Largest magnitude of a negative principal stiffness, relative to the largest; a larger one is an error."""
+"""Largest magnitude of a negative principal stiffness, or mass, relative to the largest; a larger one is an
+error."""
+MASSLESS = 1e-10
+"""Mass relative to the largest; a smaller one is zero."""
 ROUNDING = 1e-13
 """Mass entry between two stations, relative to the largest entry, below which it counts as zero."""
 
@@ -65,6 +67,11 @@ class CondensedLine:
         own = np.einsum("iaib->iab", blocks)
         shared = np.abs(self.mass - np.asarray(linalg.block_diag(*own))).max()
         return own.copy() if shared <= ROUNDING * np.abs(self.mass).max() else None
+
+    @property
+    def translating(self) -> Array:
+        """(n, 6, 3) momenta of the stations in unit translations of the line."""
+        return self.mass.reshape(self.n, 6, self.n, 6).sum(axis=2)[:, :, :3]
 
     @property
     def total_mass(self) -> float:
@@ -110,16 +117,15 @@ def condensed_line(
             f"most {LARGEST_RIGID_FORCE:.0e} can be round-off): if the stiffness includes a support, use "
             "clamped_line; check that the points belong to its freedoms, and that rotations are in rad"
         )
-    scale = np.tile(np.repeat([1.0, _length(tree)], 3), tree.n)
+    scale = np.tile(np.repeat([1.0, tree.mean_length], 3), tree.n)
     Q = np.linalg.qr(scale[:, None] * R)[0]
     scaled = K / np.outer(scale, scale)
     scaled = scaled - Q @ (Q.T @ scaled)
     scaled = scaled - (scaled @ Q) @ Q.T
     _check_not_negative(name, 0.5 * (scaled + scaled.T))
     clean = scaled * np.outer(scale, scale)
-    return CondensedLine(
-        name, tree, read_only(0.5 * (clean + clean.T)), read_only(cleaned_mass(name, M, _length(tree))), left
-    )
+    M = _cleaned_mass(name, M, tree.mean_length)
+    return CondensedLine(name, tree, read_only(0.5 * (clean + clean.T)), read_only(M), left)
 
 
 def clamped_line(
@@ -153,11 +159,6 @@ def clamped_line(
     return condensed_line(name, points, full, full_mass, parents=parents)
 
 
-def _length(tree: LoadPathTree) -> float:
-    """Length that scales rotations to displacements: the mean segment, or one unit for a single station."""
-    return float(tree.lengths.mean()) if tree.n > 1 else 1.0
-
-
 def _check_not_negative(name: str, scaled: Array) -> None:
     values, vectors = np.linalg.eigh(scaled)
     if values.size and values[0] < -LARGEST_NEGATIVE * np.abs(values).max():
@@ -169,9 +170,33 @@ def _check_not_negative(name: str, scaled: Array) -> None:
         )
 
 
+def _cleaned_mass(name: str, mass: Array, length: float) -> Array:
+    """The mass matrix without small negative principal values; ModelError for larger ones, or no mass.
+
+    length : m, scale of inertias to masses
+    """
+    scale = np.tile(np.repeat([1.0, 1.0 / length], 3), len(mass) // 6)
+    values, vectors = np.linalg.eigh(mass * np.outer(scale, scale))
+    largest = np.abs(values).max(initial=0.0)
+    if values.size and values[0] < -LARGEST_NEGATIVE * largest:
+        worst = int(np.argmax(np.abs(vectors[:, 0]))) // 6
+        raise ModelError(
+            f"line '{name}': its mass is negative at station {worst}: the smallest principal value is "
+            f"{values[0]:.3g} kg, with the mean segment as radius; the largest is {largest:.3g}. "
+            "Export the mass matrix again, or correct the inertias"
+        )
+    if not largest > 0:
+        raise ModelError(f"line '{name}': it has no mass: give its stations or elements mass")
+    if values[0] >= 0:
+        return mass
+    kept = values > MASSLESS * largest
+    root = (vectors[:, kept] * np.sqrt(values[kept])) / scale[:, None]
+    return root @ root.T
+
+
 def _rigid_force(K: Array, R: Array, tree: LoadPathTree) -> float:
     """Largest force in K R relative to the largest in |K| |R|."""
-    scale = np.tile(np.repeat([1.0, 1.0 / _length(tree)], 3), tree.n)
+    scale = np.tile(np.repeat([1.0, 1.0 / tree.mean_length], 3), tree.n)
     size = np.abs(K) @ np.abs(R) * scale[:, None]
     largest = size.max(initial=0.0)
     return float(np.abs(K @ R * scale[:, None]).max(initial=0.0) / largest) if largest else 0.0

@@ -21,7 +21,7 @@ from supple.integrate import (
     leg_size,
 )
 from supple.machine import System
-from supple.methods.intrinsic.full_leg import full_leg
+from supple.methods.intrinsic.full_leg import full_leg, n_good
 from supple.methods.intrinsic.joined_engine import ITERATED, JoinedEngine
 from supple.methods.intrinsic.line_march import (
     LineMarchState,
@@ -128,21 +128,16 @@ class IntrinsicEngine:
 
         times : output times of the leg; `reached` may have more
         """
-        good = self._good(reached)[: len(times)]
-        n_reached = len(times) if good.all() else int(np.argmin(good))
-        stopped = None if good.all() else self._why(reached, n_reached)
+        n_reached = min(n_good(reached.states, np.asarray(reached.worst) <= self._limit()), len(times))
         last = jax.tree.map(lambda leaf: np.asarray(leaf[max(n_reached, 1) - 1]), reached)
         moving = int(np.count_nonzero(np.diff(times, prepend=float(state.time))))
+        iterations = int(last.iterations - state.iterations)
         return Leg(
             states=jax.tree.map(lambda leaf: leaf[:n_reached], reached),
             n_reached=n_reached,
             last=last,
-            statistics=Statistics(
-                steps=moving * self.n_steps,
-                iterations=int(last.iterations - state.iterations),
-                seconds=seconds,
-            ),
-            stopped=stopped,
+            statistics=Statistics(steps=moving * self.n_steps, iterations=iterations, seconds=seconds),
+            stopped=None if n_reached == len(times) else self._why(reached, n_reached),
         )
 
     def _limit(self) -> float:
@@ -153,10 +148,6 @@ class IntrinsicEngine:
                 return 10 * self._run.tolerances.residual
             case _:
                 return np.inf
-
-    def _good(self, reached: LineMarchState) -> np.ndarray:
-        sizes = [np.abs(leaf).reshape(len(leaf), -1).sum(axis=1) for leaf in jax.tree.leaves(reached.states)]
-        return np.isfinite(np.sum(sizes, axis=0)) & (np.asarray(reached.worst) <= self._limit())
 
     def _why(self, reached: LineMarchState, number: int) -> str:
         when = f"before t = {float(reached.time[number]):.6g}"

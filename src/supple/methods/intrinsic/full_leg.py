@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import jax
 import numpy as np
 
-__all__ = ["full_leg"]
+__all__ = ["full_leg", "n_good"]
+
+T = TypeVar("T")
 
 
-def full_leg(history: Any, length: int) -> Any:
+def full_leg(history: T, length: int) -> T:
     """A history (t, ...), or a tree of histories, padded to `length` instants by copies of the last one."""
 
-    def filled(leaf: Any) -> np.ndarray:
+    def filled(leaf: np.ndarray) -> np.ndarray:
         known = np.asarray(leaf)
         more = max(length - len(known), 0)
         return np.pad(known, ((0, more), *((0, 0),) * (known.ndim - 1)), mode="edge")
 
     return jax.tree.map(filled, history)
+
+
+def n_good(history: Any, converged: np.ndarray) -> int:
+    """Number of instants (t,) of a tree of histories before the first not finite, or not converged."""
+    sizes = [np.abs(leaf).reshape(len(leaf), -1).sum(axis=1) for leaf in jax.tree.leaves(history)]
+    return int(np.argmin(np.append(np.isfinite(np.sum(sizes, axis=0)) & converged, False)))

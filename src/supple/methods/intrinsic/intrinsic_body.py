@@ -19,7 +19,7 @@ from supple.body.form_defaults import FormDefaults
 from supple.body.interface import UntiedInterface, interface_named
 from supple.body.mass_properties import centre_of_gram
 from supple.body.point_motion import InterfaceMotion, NodeMotion, frames_near
-from supple.body.sections import Sections
+from supple.body.sections import CuttingPlane, Sections
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate.motion import Motion
@@ -31,7 +31,6 @@ from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.line_equations import line_forces, section_strains
 from supple.methods.intrinsic.line_freedoms import LineFreedoms, line_freedoms
 from supple.methods.intrinsic.line_model import LineModel, line_model
-from supple.methods.intrinsic.line_sections import cut_segments, line_section_loads
 from supple.methods.intrinsic.root_support import RootSupport
 from supple.methods.intrinsic.second_order_modes import (
     completed_modes,
@@ -323,11 +322,8 @@ class IntrinsicBody(FormDefaults, Summarized):
 
     def sections(self, _model: FiniteElementModel | None = None) -> Sections:
         """Its cutting sections, which need no elements."""
-        return Sections(
-            f"axes of the section of {self.name}",
-            partial(line_section_loads, self),
-            partial(cut_segments, self),
-        )
+        axes = f"axes of the section of {self.name}"
+        return Sections(axes, partial(_section_loads, self), partial(_cut_segments, self))
 
     def section_loads(self, motion: Motion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.
@@ -364,6 +360,48 @@ class IntrinsicBody(FormDefaults, Summarized):
     def lowest_frequency(self) -> float:
         """Lowest frequency of the elastic modes on its support, rad/s; infinite for a rigid body."""
         return float(self.modes.frequencies.min(initial=np.inf))
+
+
+def _section_loads(body: IntrinsicBody, motion: Motion, plane: CuttingPlane) -> Array:
+    """Force and moment (t, 6) of the part beyond a plane on the part before it, along material axes.
+
+    These are the section forces of the segment cut by the plane, with the moment about the point of the
+    plane. If the plane contains a station, they are the mean of both adjacent segments.
+
+    Raises
+    ------
+    ModelError   a plane that cuts no segment, or several
+    """
+    found = []
+    for segment, sense in _cut_segments(body, plane):
+        loads = sense * body.section_loads(motion)[:, segment]
+        arm = body.line.tree.middles[segment] - plane.point
+        found.append(np.hstack([loads[:, :3], loads[:, 3:] + np.cross(arm, loads[:, :3])]))
+    return np.mean(found, axis=0)
+
+
+def _cut_segments(body: IntrinsicBody, plane: CuttingPlane) -> list[tuple[int, float]]:
+    """The segment cut by a plane, or both at its station, with 1 if its outer end is beyond it, else -1.
+
+    Raises ModelError as `_section_loads`.
+    """
+    tree = body.line.tree
+    heights = plane.heights(tree.points)
+    found = []
+    for outside in (heights >= 0, heights > 0):
+        segments = np.flatnonzero(outside[1:] != outside[tree.inner])
+        if len(segments) > 1:
+            raise ModelError(
+                f"body '{body.name}': a section cuts one segment of its line, and the plane through "
+                f"{plane.point} across {plane.normal} cuts {len(segments)}; turn its normal along the line"
+            )
+        found += [(int(segment), 1.0 if outside[segment + 1] else -1.0) for segment in segments]
+    if not found:
+        raise ModelError(
+            f"body '{body.name}': the plane through {plane.point} across {plane.normal} cuts no segment "
+            "of its line; move it, or turn its normal along the line"
+        )
+    return found
 
 
 def body_of(placed: Placed) -> IntrinsicBody:

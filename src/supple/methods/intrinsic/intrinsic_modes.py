@@ -11,10 +11,9 @@ from scipy import linalg
 
 from supple.algebra import read_only
 from supple.errors import AccuracyError, ModelError
-from supple.methods.intrinsic.condensed_line import CondensedLine
+from supple.methods.intrinsic.condensed_line import MASSLESS, CondensedLine
 from supple.methods.intrinsic.load_path_tree import LoadPathTree
 from supple.methods.intrinsic.root_support import RootSupport
-from supple.methods.intrinsic.station_mass import mass_factor
 
 __all__ = ["IntrinsicModes", "intrinsic_modes"]
 
@@ -92,8 +91,8 @@ class IntrinsicModes:
         """The `n_modes` lowest modes, rigid ones included; ModelError for too few or too many modes."""
         if not self.n_rigid <= n_modes <= self.n_modes or n_modes == 0:
             raise ModelError(
-                f"line '{self.line.name}': {n_modes} modes requested; it has {self.n_modes}, of which "
-                f"{self.n_rigid} are rigid and must be retained"
+                f"line '{self.line.name}': {n_modes} modes requested; it has {self.n_modes} with mass, of "
+                f"which {self.n_rigid} are rigid and must be retained"
             )
         e = n_modes - self.n_rigid
         n_lowest = self.n_elastic - self.n_second_order
@@ -128,31 +127,22 @@ def intrinsic_modes(line: CondensedLine, support: RootSupport, n_modes: int | No
     Source: [Wang2015] (26)-(35), with the sign of (35) and the scale of the modes corrected.
     """
     R, Phi, omega = _normal_modes(line, support)
-    if n_modes is not None:
-        available = R.shape[1] + Phi.shape[1]
-        if not max(R.shape[1], 1) <= n_modes <= available:
-            raise ModelError(
-                f"line '{line.name}': {n_modes} modes requested; it has {available} with mass, of which "
-                f"{R.shape[1]} are rigid and must be retained"
-            )
-        Phi, omega = Phi[:, : n_modes - R.shape[1]], omega[: n_modes - R.shape[1]]
     all_modes = np.hstack([R, Phi])
     momenta = line.mass @ all_modes
     e = Phi.shape[1]
     forces, strains = _section_modes(
         line.tree, Phi.reshape(line.n, 6, e), momenta[:, R.shape[1] :].reshape(line.n, 6, e), omega
     )
-    return checked_modes(
-        IntrinsicModes(
-            line=line,
-            support=support,
-            omega=read_only(np.append(np.zeros(R.shape[1]), omega)),
-            velocities=read_only(all_modes.reshape(line.n, 6, -1)),
-            momenta=read_only(momenta.reshape(line.n, 6, -1)),
-            forces=read_only(forces),
-            strains=read_only(strains),
-        )
+    whole = IntrinsicModes(
+        line=line,
+        support=support,
+        omega=read_only(np.append(np.zeros(R.shape[1]), omega)),
+        velocities=read_only(all_modes.reshape(line.n, 6, -1)),
+        momenta=read_only(momenta.reshape(line.n, 6, -1)),
+        forces=read_only(forces),
+        strains=read_only(strains),
     )
+    return checked_modes(whole if n_modes is None else whole.truncated(n_modes))
 
 
 def checked_modes(modes: IntrinsicModes) -> IntrinsicModes:
@@ -169,14 +159,17 @@ def checked_modes(modes: IntrinsicModes) -> IntrinsicModes:
     return modes
 
 
+def _defect(gram: Array) -> float:
+    return float(np.abs(gram - np.eye(len(gram))).max(initial=0.0))
+
+
 def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Array, Array]:
     """Rigid modes (6 n, k), elastic modes (6 n, e), mass-normalised, and their frequencies (e,)."""
     k = support.free.shape[1]
-    length = float(line.tree.lengths.mean()) if line.n > 1 else 1.0
     # The root moves along its free twists alone: x = T z.
     T = np.asarray(linalg.block_diag(support.free, np.eye(6 * line.n - 6)))
     K, M = T.T @ line.stiffness @ T, T.T @ line.mass @ T
-    F = T.T @ mass_factor(line.mass, length)
+    F = T.T @ _mass_factor(line.mass, line.tree.mean_length)
     R = np.vstack([np.eye(k), (line.twists @ support.free)[6:]])
     if k:
         gram = R.T @ M @ R
@@ -220,6 +213,14 @@ def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Arr
     return T @ R, T @ Phi, omega
 
 
+def _mass_factor(mass: Array, length: float) -> Array:
+    """F (6 n, r) with F F^T = M; one column per freedom with mass. length : m, scale of inertias to masses"""
+    scale = np.tile(np.repeat([1.0, 1.0 / length], 3), len(mass) // 6)
+    values, vectors = np.linalg.eigh(mass * np.outer(scale, scale))
+    kept = values > MASSLESS * values.max(initial=0.0)
+    return (vectors[:, kept] * np.sqrt(values[kept])) / scale[:, None]
+
+
 def _mass_orthonormal(columns: Array, M: Array) -> Array:
     """Columns made mass-orthonormal in their order, by Cholesky QR, repeated for round-off."""
     for _ in range(3):
@@ -242,7 +243,3 @@ def _section_modes(tree: LoadPathTree, Phi: Array, momenta: Array, omega: Array)
     strains = -(outer - inner) / tree.lengths[:, None, None]
     strains[:, :3] -= np.cross(tree.directions[:, :, None], 0.5 * (outer + inner)[:, 3:], axis=1)
     return forces, strains / np.where(omega > 0, omega, 1.0)
-
-
-def _defect(gram: Array) -> float:
-    return float(np.abs(gram - np.eye(len(gram))).max(initial=0.0))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -16,21 +17,23 @@ from supple.equations.checks.start_report import report_start
 from supple.equations.compiler_options import MARCHING, STARTING
 from supple.equations.configuration import ControlState, SystemMotion
 from supple.equations.control_start import first_control, fresh_control, kept_control
+from supple.equations.floating_solution import body_motions, joint_multipliers
+from supple.equations.joint_wrench import joint_wrenches
 from supple.equations.sampling import sampling_of
 from supple.errors import ModelError
-from supple.integrate import GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
+from supple.integrate import GeneralizedAlpha, Leg, Motion, Run, Solution, Statistics, leg_size
 from supple.machine import At, System
-from supple.methods.intrinsic.full_leg import full_leg
-from supple.methods.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
+from supple.methods.intrinsic.full_leg import full_leg, n_good
+from supple.methods.intrinsic.implicit_step import first_order_coefficients
 from supple.methods.intrinsic.joined_equations import JoinedInstant, JoinedRates, all_velocities
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine
-from supple.methods.intrinsic.joined_solution import joined_solution
 from supple.methods.intrinsic.joined_start import instant_rates, joined_start
-from supple.methods.intrinsic.joined_step import JoinedState, joined_step
+from supple.methods.intrinsic.joined_step import JoinedState, JoinedStepping, joined_step
+from supple.methods.intrinsic.machine_of_lines import line_motion
 from supple.methods.intrinsic.stable_step import with_chosen_step
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["ITERATED", "JoinedEngine", "JoinedStepping"]
+__all__ = ["ITERATED", "JoinedEngine", "joined_solution"]
 
 ITERATED = 1e-4
 """Tolerance of implicit steps relative to that of the run, so that only the rule affects the energy."""
@@ -39,22 +42,12 @@ QUICK = 100_000
 (33 instead of 51 s for two lines of 106 unknowns), and its steps take 3.6 times as long (44 and 12 ms)."""
 
 
-class JoinedStepping(NamedTuple):
-    """Step rule, tolerances on relative residuals, and largest number of iterations of a step.
-
-    tolerance : residual at which a step ends,  limit : residual above which a step has not converged
-    """
-
-    coefficients: FirstOrderCoefficients
-    tolerance: float
-    max_iterations: int
-    limit: float
-
-
 class JoinedEngine:
     """`Engine` of intrinsic, rigid and reduced bodies and their joints; `JoinedState` is its state.
 
     also : further ends whose stations are included, besides those of joints, forces and controllers
+    step : largest step, s
+    stepping : step rule and tolerances
     """
 
     least_leg = 1
@@ -69,37 +62,24 @@ class JoinedEngine:
         self._run = run
         self._machine: JoinedMachine = joined_machine(system, run.start, also)
         self._arrays = self._machine.arrays
-        self._coefficients = first_order_coefficients(run.method.rho_inf)
+        self.stepping = JoinedStepping(
+            first_order_coefficients(run.method.rho_inf),
+            ITERATED * run.tolerances.residual,
+            run.tolerances.max_iterations,
+            10 * run.tolerances.residual,
+        )
         self._interval = float(run.times[1] - run.times[0])
-        self._step = float(run.step_control.first)
+        self.step = float(run.step_control.first)
         self._sampling = sampling_of(self._machine.seen, run)
         self._length = leg_size(len(run.times)) if self._sampling is None else 1
         # The length of the whole run selects the program, so that a resumed run is equal in every digit.
-        work = (run.times[-1] - run.start) / self._step * _unknowns(self._machine)
+        work = (run.times[-1] - run.start) / self.step * _unknowns(self._machine)
         self._program = _march if work > QUICK else _quick_march
 
     @property
     def machine(self) -> JoinedMachine:
         """The prepared machine; after the start, without redundant equations."""
         return self._machine._replace(arrays=self._arrays)
-
-    @property
-    def step(self) -> float:
-        """Largest step, s."""
-        return self._step
-
-    @property
-    def stepping(self) -> JoinedStepping:
-        """Step rule and tolerances."""
-        tolerances = self._run.tolerances
-        return JoinedStepping(
-            self._coefficients, ITERATED * tolerances.residual, tolerances.max_iterations, self._limit
-        )
-
-    @property
-    def _limit(self) -> float:
-        """Residual of a step above which it has not converged."""
-        return 10 * self._run.tolerances.residual
 
     def start(self, time: float) -> JoinedState:
         """Velocities that satisfy the joints, consistent rates and joint forces."""
@@ -163,38 +143,21 @@ class JoinedEngine:
     def _leg(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
         began = clock.perf_counter()
         # A short leg repeats its last time, with steps of zero length.
-        stepping = self.stepping
         interval = self._interval if self._sampling is None else float(times[0] - state.now.time)
-        n_steps = max(1, int(np.ceil(interval / self._step * (1 - 1e-9))))
-        reached = self._program(
-            self._arrays,
-            state,
-            full_leg(times, self._length),
-            stepping.coefficients,
-            stepping.tolerance,
-            n_steps,
-            stepping.max_iterations,
-        )
-        reached = jax.device_get(reached)
-        good = self._good(reached)[: len(times)]
-        n_reached = len(times) if good.all() else int(np.argmin(good))
-        moving = int(np.count_nonzero(np.diff(times, prepend=float(state.now.time))))
+        n_steps = max(1, int(np.ceil(interval / self.step * (1 - 1e-9))))
+        padded = full_leg(times, self._length)
+        reached = jax.device_get(self._program(self._arrays, state, padded, self.stepping, n_steps))
+        n_reached = min(n_good(reached.now, reached.worst <= self.stepping.limit), len(times))
         last = jax.tree.map(lambda leaf: jnp.asarray(leaf[max(n_reached, 1) - 1]), reached)
+        moving = int(np.count_nonzero(np.diff(times, prepend=float(state.now.time))))
+        iterations, seconds = int(last.iterations - state.iterations), clock.perf_counter() - began
         return Leg(
             states=jax.tree.map(lambda leaf: leaf[:n_reached], reached),
             n_reached=n_reached,
             last=last,
-            statistics=Statistics(
-                steps=moving * n_steps,
-                iterations=int(last.iterations - state.iterations),
-                seconds=clock.perf_counter() - began,
-            ),
-            stopped=None if good.all() else self._why(reached, n_reached),
+            statistics=Statistics(steps=moving * n_steps, iterations=iterations, seconds=seconds),
+            stopped=None if n_reached == len(times) else self._why(reached, n_reached),
         )
-
-    def _good(self, reached: JoinedState) -> np.ndarray:
-        sizes = [np.abs(leaf).reshape(len(leaf), -1).sum(axis=1) for leaf in jax.tree.leaves(reached.now)]
-        return np.isfinite(np.sum(sizes, axis=0)) & (reached.worst <= self._limit)
 
     def _why(self, reached: JoinedState, number: int) -> str:
         return (
@@ -233,6 +196,40 @@ class JoinedEngine:
         return joined_solution(self.machine, now, velocities, rates, multipliers, leg.statistics, state)
 
 
+def joined_solution(
+    machine: JoinedMachine,
+    now: JoinedInstant,
+    velocities: np.ndarray,
+    rates: JoinedRates,
+    multipliers: np.ndarray,
+    statistics: Statistics,
+    engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
+) -> Solution:
+    """Stacked instants (leading axis: time) as a solution, with joint forces.
+
+    velocities : (t, n)     velocities of all bodies of the model, including stations
+    """
+    arrays, seen, times = machine.arrays, machine.seen, np.asarray(now.time)
+    model, still = arrays.model, np.zeros((len(times), 6 * arrays.n_coupled))
+    accelerations = np.concatenate([rates.acceleration, still], axis=1)
+    floating = body_motions(seen, model.slices, now.floating, velocities, accelerations)
+    of_joints = joint_multipliers(seen, model.active, multipliers)
+    bodies: dict[str, Motion] = {
+        placed.body.name: line_motion(placed, own, None, state, rate.q1, times)
+        for placed, own, state, rate in zip(machine.lines, arrays.lines, now.lines, rates.lines, strict=True)
+    }
+    names = [placed.body.name for placed in machine.system.bodies]
+    bodies |= {name: motion for name, motion in floating.items() if name in names}
+    return Solution(
+        times=times,
+        bodies={name: bodies[name] for name in names},
+        joint_forces=joint_wrenches(seen, times, floating, of_joints),
+        statistics=statistics,
+        engine_state=engine_state,
+        multipliers=of_joints,
+    )
+
+
 def _unknowns(machine: JoinedMachine) -> int:
     """Number of unknowns of a step."""
     arrays = machine.arrays
@@ -243,17 +240,13 @@ def _march_joined(
     arrays: JoinedArrays,
     start: JoinedState,
     times: jax.Array,
-    coefficients: FirstOrderCoefficients,
-    tolerance: Any,
-    n_steps: Any,
-    most: Any,
+    stepping: JoinedStepping,
+    n_steps: jax.Array,
 ) -> JoinedState:
     def to_output(state: JoinedState, end: jax.Array) -> tuple[JoinedState, JoinedState]:
         h = (end - state.now.time) / n_steps
 
-        last = jax.lax.fori_loop(
-            0, n_steps, lambda _, now: joined_step(arrays, coefficients, tolerance, most, now, h), state
-        )
+        last = jax.lax.fori_loop(0, n_steps, lambda _, now: joined_step(arrays, stepping, now, h), state)
         last = last._replace(now=last.now._replace(time=end))
         return last, last
 

@@ -29,7 +29,19 @@ from supple.methods.intrinsic.joined_equations import (
 )
 from supple.methods.intrinsic.joined_machine import JoinedArrays
 
-__all__ = ["JoinedState", "joined_step"]
+__all__ = ["JoinedState", "JoinedStepping", "joined_step"]
+
+
+class JoinedStepping(NamedTuple):
+    """Step rule, tolerances on relative residuals, and largest number of iterations of a step.
+
+    tolerance : residual at which a step ends,  limit : residual above which a step has not converged
+    """
+
+    coefficients: FirstOrderCoefficients
+    tolerance: float
+    max_iterations: int
+    limit: float
 
 
 class JoinedState(NamedTuple):
@@ -57,12 +69,7 @@ class _Tangent(NamedTuple):
 
 
 def joined_step(
-    arrays: JoinedArrays,
-    coefficients: FirstOrderCoefficients,
-    tolerance: Any,
-    most: Any,
-    state: JoinedState,
-    h: Any,
+    arrays: JoinedArrays, stepping: JoinedStepping, state: JoinedState, h: jax.Array
 ) -> JoinedState:
     """The state after a step h; forces are evaluated within the step, constraints at its end.
 
@@ -72,7 +79,7 @@ def joined_step(
     rho_inf = 1 is the implicit midpoint rule, symmetric in time. States of controllers follow the trapezoidal
     rule: from the start of the step to the time at which loads act, and again from the start to the end.
     """
-    alpha_m, alpha_f, gamma = coefficients
+    alpha_m, alpha_f, gamma = stepping.coefficients
     now, before = state.now, state.rates
     n, m = arrays.n_floating, len(arrays.model.active)
     inverse = jnp.linalg.inv(mass_matrix(arrays.model, now.floating)[:n, :n]) if n else jnp.zeros((0, 0))
@@ -102,12 +109,12 @@ def joined_step(
 
     def measured(slope: jax.Array, unknown: jax.Array, left: jax.Array) -> jax.Array:
         """Largest residual of a kind of equations, relative to the size of its terms."""
-        terms = jnp.abs(slope) @ (jnp.abs(unknown) + ROUNDING / tolerance / h * states)
+        terms = jnp.abs(slope) @ (jnp.abs(unknown) + ROUNDING / stepping.tolerance / h * states)
         sums = jax.ops.segment_sum(jnp.stack([left, terms], axis=1) ** 2, kinds, int(kinds.max()) + 1)
         return jnp.max(jnp.sqrt(sums[:, 0] / jnp.maximum(sums[:, 1], 1e-300)))
 
     first = jnp.concatenate([flat, state.multipliers, jnp.zeros(m)])
-    unknown, error, count = _solved(missing, measured, first, tolerance, most)
+    unknown, error, count = _solved(missing, measured, first, stepping)
     after = unravel(unknown[:size])
     # A step of zero length repeats its start.
     end = moved_instant(arrays, now, mixed(h, 1 - gamma, after), h)
@@ -130,8 +137,7 @@ def _solved(
     missing: Callable[[jax.Array], jax.Array],
     measured: Callable[[jax.Array, jax.Array, jax.Array], jax.Array],
     first: jax.Array,
-    tolerance: Any,
-    most: Any,
+    stepping: JoinedStepping,
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Zero of `missing` by modified Newton's method from `first`: unknowns, relative residual, iterations.
 
@@ -152,7 +158,7 @@ def _solved(
 
     def goes_on(carry: Any) -> jax.Array:
         _, _, error, _, count, _ = carry
-        return (count < most) & (error > tolerance)
+        return (count < stepping.max_iterations) & (error > stepping.tolerance)
 
     def improve(carry: Any) -> Any:
         unknown, left, error, slow, count, known = carry

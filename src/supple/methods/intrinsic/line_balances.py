@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from supple.equations.checks.energy import Balances, body_balances
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
-from supple.methods.intrinsic.station_mass import first_moments
+from supple.methods.intrinsic.lumped_inertia import first_moments
 from supple.methods.intrinsic.station_motion import driven_twists
 
 __all__ = ["line_balances"]
@@ -29,14 +29,12 @@ def line_balances(body: IntrinsicBody, motion: IntrinsicMotion, gravity: Array) 
     rotations, positions = body.places(motion)
     twists = driven_twists(body.model, body.line.tree.points[0], motion)
     momenta = (twists.reshape(-1, 6 * n) @ body.line.mass).reshape(twists.shape)
-    linear, own = (np.einsum("tnij,tnj->tni", rotations, momenta[..., part]) for part in _HALVES)
+    linear, own = (np.einsum("tnij,tnj->tni", rotations, part) for part in np.split(momenta, 2, axis=-1))
     q2 = body.forces_of(motion.coordinates)
-    masses = body.line.mass.reshape(n, 6, n, 6).sum(axis=2)[:, :, :3]
+    masses = body.line.translating
     # A station's block is [m 1; s x], and s x is skew-symmetric.
-    moments = first_moments(masses)
-    centres = np.einsum("nij,tnj->ti", masses[:, :3], positions) + np.einsum(
-        "tnij,nj->ti", rotations, moments
-    )
+    centres = np.einsum("nij,tnj->ti", masses[:, :3], positions)
+    centres += np.einsum("tnij,nj->ti", rotations, first_moments(masses))
     return Balances(
         kinetic=0.5 * np.einsum("tni,tni->t", momenta, twists),
         strain=0.5 * np.einsum("te,te->t", q2, q2),
@@ -44,6 +42,3 @@ def line_balances(body: IntrinsicBody, motion: IntrinsicMotion, gravity: Array) 
         momentum=linear.sum(axis=1),
         angular_momentum=(own + np.cross(positions, linear)).sum(axis=1),
     )
-
-
-_HALVES = slice(0, 3), slice(3, 6)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the first array
@@ -15,7 +14,7 @@ from supple.body.damping import refuse_relative_damping
 from supple.errors import ModelError
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes
 
-__all__ = ["LineModel", "LineState", "line_model", "rest_state"]
+__all__ = ["LineModel", "LineState", "line_model"]
 
 
 @jax.tree_util.register_dataclass
@@ -117,12 +116,6 @@ def line_model(
         retardation=retardation,
         is_chain=tree.is_chain,
     )
-
-
-def rest_state(model: LineModel) -> LineState:
-    """Undeformed state at rest, with the root at the origin."""
-    m, e = model.velocities.shape[1], model.omega.shape[0]
-    return LineState(jnp.zeros(m), jnp.zeros(e), jnp.array([1.0, 0, 0, 0]), jnp.zeros(3))
 
 
 def _damping(

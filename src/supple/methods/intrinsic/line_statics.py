@@ -22,6 +22,7 @@ from supple.integrate import Solution, Statistics
 from supple.machine import Placed, System
 from supple.machine.laws.constant_rate import ConstantRate
 from supple.methods.intrinsic.intrinsic_body import body_of
+from supple.methods.intrinsic.joined_engine import joined_solution
 from supple.methods.intrinsic.joined_equations import JoinedInstant
 from supple.methods.intrinsic.joined_machine import (
     JoinedArrays,
@@ -29,7 +30,6 @@ from supple.methods.intrinsic.joined_machine import (
     joined_machine,
     supported_machine,
 )
-from supple.methods.intrinsic.joined_solution import joined_solution
 from supple.methods.intrinsic.joined_start import closed_machine
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_steady import (

@@ -53,6 +53,11 @@ class LoadPathTree:
         """(n - 1,) lengths of the segments, m."""
         return read_only(np.linalg.norm(self._chords, axis=1))
 
+    @property
+    def mean_length(self) -> float:
+        """Mean length of the segments, which scales rotations to displacements; 1 for a single station."""
+        return float(self.lengths.mean()) if self.n > 1 else 1.0
+
     @cached_property
     def directions(self) -> Array:
         """(n - 1, 3) unit vectors of the segments, from the root outwards."""

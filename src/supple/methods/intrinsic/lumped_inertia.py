@@ -14,9 +14,8 @@ from supple.fem import CellMass, FiniteElementModel, cell_masses
 from supple.mesh import CellType
 from supple.methods.intrinsic.expansion import shares_of_stations
 from supple.methods.intrinsic.load_path_tree import LoadPathTree
-from supple.methods.intrinsic.station_mass import first_moments
 
-__all__ = ["arm_terms", "lumped_inertia", "with_shorter_arms"]
+__all__ = ["arm_terms", "first_moments", "lumped_inertia", "with_shorter_arms"]
 
 Array = NDArray[np.float64]
 
@@ -59,7 +58,7 @@ def lumped_inertia(tree: LoadPathTree, model: FiniteElementModel) -> Array:
                 own = shift.swapaxes(1, 2) @ part @ shift
                 np.add.at(rigid, at, weight * own)
                 np.add.at(change, at, weight * arm_terms(own, feet - tree.points[at]))
-    return with_shorter_arms(rigid, change, float(tree.lengths.mean()) if tree.n > 1 else 1.0)
+    return with_shorter_arms(rigid, change, tree.mean_length)
 
 
 def _parts(mass: CellMass, nodes: Array) -> Iterator[tuple[Array, Array]]:
@@ -100,6 +99,11 @@ def arm_terms(inertia: Array, along: Array) -> Array:
     result[:, :3, 3:], result[:, 3:, :3] = -turned, turned
     result[:, 3:, 3:] = np.trace(second, axis1=1, axis2=2)[:, None, None] * np.eye(3) - second
     return result
+
+
+def first_moments(masses: Array) -> Array:
+    """First moments (n, 3) of rigid masses (n, 6, 6), or of their first three columns, about their points."""
+    return masses[:, [5, 3, 4], [1, 2, 0]]
 
 
 def with_shorter_arms(rigid: Array, change: Array, length: float) -> Array:

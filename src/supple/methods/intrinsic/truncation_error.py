@@ -5,17 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import jax
+import jax.numpy as jnp
 import numpy as np
+import scipy  # its parts are imported when first used
 from numpy.typing import NDArray
 
 from supple.algebra import read_only
+from supple.equations.compiler_options import STARTING
 from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.machine import System
-from supple.methods.intrinsic.centre_drift import centre_drift
-from supple.methods.intrinsic.complete_motion import complete_motion, intrinsic_of
+from supple.methods.intrinsic.complete_motion import complete_motion, intrinsic_of, states_of
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.methods.intrinsic.line_equations import momenta, station_velocities
+from supple.methods.intrinsic.line_system import LineSystem, States, places_of, system_wrenches
+from supple.methods.intrinsic.machine_of_lines import machine_of_lines
+from supple.methods.intrinsic.supported_root import is_joined
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["TruncationError", "truncation_error"]
 
@@ -29,6 +37,9 @@ STIFF = 1e-3
 
 ROUNDING = 1e-9
 """Smallest deflection relative to which changes of positions are stated, as a fraction of the length."""
+
+FEWEST = 5
+"""Fewest output times for which the impulse of the loads is integrated; with fewer, the drift is 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +144,69 @@ def truncation_error(
             length=float(np.linalg.norm(np.ptp(body.line.tree.points, axis=0))),
         )
     return found
+
+
+def centre_drift(system: System, solution: Solution, name: str) -> float:
+    """Largest distance of a free body's centre of mass from the motion due to the impulse of its loads, m.
+
+        c(t) - c(0) - c'(0) t - 1/m int int F dt dt
+
+    c is the centre of mass, m the mass, and F the sum of the loads. With few modes, the momentum of a bent
+    free line follows the loads only approximately. F is a cubic spline through its values at the output
+    times. The difference from a spline through every second value estimates the spline's error, which is
+    subtracted.
+
+    Returns 0 for a body with a supported root, if `is_joined`, and for fewer than five output times.
+    """
+    number, times = system.body_index(name), solution.times
+    body = body_of(system.bodies[number])
+    if is_joined(system) or body.support.free.shape[1] < 6 or len(times) < FEWEST:
+        return 0.0
+    lines = machine_of_lines(system, float(times[0])).lines
+    states = tuple(states_of(body_of(each), solution.bodies[each.body.name]) for each in system.bodies)
+    masses = tuple(body_of(each).line.translating for each in system.bodies)
+    found = _centres(lines, masses, jnp.asarray(times), states)
+    centre, velocity, force = jax.device_get(found[number])
+    acceleration = force / body.mass
+
+    def displacement(known: slice) -> Array:
+        spline = scipy.interpolate.CubicSpline(times[known], acceleration[known])
+        return spline.antiderivative(2)(times)
+
+    path = displacement(slice(None))
+    free = centre[0] + velocity[0] * (times - times[0])[:, None]
+    away = np.linalg.norm(centre - free - path, axis=1)
+    unsure = np.linalg.norm(path - displacement(slice(None, None, 2)), axis=1)
+    return float(np.maximum(away - unsure, 0.0).max())
+
+
+def _centres_of_lines(
+    system: LineSystem, masses: tuple[jax.Array, ...], times: jax.Array, states: States
+) -> list[tuple[jax.Array, jax.Array, jax.Array]]:
+    """Centre of mass, its velocity, and the sum of the loads (t, 3) of each line."""
+
+    def at(instant: tuple[jax.Array, States]) -> list[tuple[jax.Array, jax.Array, jax.Array]]:
+        time, now = instant
+        roots = tuple(None if drive is None else drive.twist(time) for drive in system.drives)
+        found = []
+        for model, drive, state, mass, wrench in zip(
+            system.lines, system.drives, now, masses, system_wrenches(system, now, time, roots), strict=True
+        ):
+            own, moments = jnp.trace(mass[:, :3], axis1=1, axis2=2) / 3, mass[:, 3:]
+            # Mass times the offset of its centre from the station: the moments are skew-symmetric.
+            beside = 0.5 * (moments[:, [2, 0, 1], [1, 2, 0]] - moments[:, [1, 2, 0], [2, 0, 1]])
+            rotations, positions = places_of(model, drive, state, time)
+            centre = (own[:, None] * positions + jnp.einsum("nij,nj->ni", rotations, beside)).sum(axis=0)
+            p = momenta(model, station_velocities(model, state.q1), state.q1, None)
+            loads = jnp.zeros((len(own), 3)) if wrench is None else wrench[:, :3]
+            linear, force = (jnp.einsum("nij,nj->i", rotations, each) for each in (p[:, :3], loads))
+            found.append((centre / own.sum(), linear / own.sum(), force))
+        return found
+
+    return jax.lax.map(at, (times, states))
+
+
+_centres = CachedProgram(_centres_of_lines, STARTING)
 
 
 def check_without_controllers(system: System) -> None:
