@@ -16,7 +16,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -150,7 +150,7 @@ def _placed(
     bases: Mapping[str, ReductionBasis],
     richer: Mapping[str, ReductionBasis],
 ) -> Placed:
-    body: Any = placed.body
+    body = cast("ReducedBody", placed.body)
     if body.name not in richer:
         return placed
     full, basis = fulls[body.name], richer[body.name]
@@ -166,7 +166,7 @@ def _placed(
 
 
 def _to_second_order(placed: Placed, bases: Mapping[str, ReductionBasis]) -> Placed:
-    body: Any = placed.body
+    body = cast("ReducedBody", placed.body)
     if body.name not in bases:
         return placed
     return replace(placed, body=second_order_beyond(body, leading=bases[body.name].r))

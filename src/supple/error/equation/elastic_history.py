@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array
 
+from supple.arrays import IntArray
 from supple.body import FlexibleBody
 from supple.error.equation.products_of_run import (
     few_instants,
@@ -135,7 +136,7 @@ def strain_rate_polynomial(works: StrainWorks) -> StrainRatePolynomial:
     return StrainRatePolynomial(bilinear.reshape(len(bilinear), -1), works.cubic * once)
 
 
-def _pairs(works: StrainWorks) -> tuple[Any, Any, Array]:
+def _pairs(works: StrainWorks) -> tuple[IntArray, IntArray, Array]:
     """First and second index of the pairs j <= k, and their weights: 1, or 1/2 for j = k."""
     first, second = np.triu_indices(works.turned.shape[2])
     return first, second, np.where(first == second, 0.5, 1.0)
@@ -299,7 +300,7 @@ def strain_rate_history(
     return StrainRateHistory(samples, weights_of_instants(products, chosen[: len(samples)], products))
 
 
-def _projected(matrix: Any, onto: Array) -> Array:
+def _projected(matrix: csc_array | csr_array, onto: Array) -> Array:
     return onto.T @ (matrix @ onto)
 
 

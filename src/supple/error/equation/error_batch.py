@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache, partial
-from typing import Any
 
 import jax
 import numpy as np
 
 from supple.equations.compiler_options import MARCHING
+from supple.equations.configuration import AnyArray
 from supple.error.equation.error_history import ErrorEquation
-from supple.error.equation.linearised_march import ElasticGain, ErrorState, GainHistory, march_error
+from supple.error.equation.linearised_march import (
+    ElasticGain,
+    ErrorState,
+    GainHistory,
+    StepOfRun,
+    march_error,
+)
 from supple.error.equation.steps_of_run import blocks_of_run, standing
+from supple.integrate import Coefficients
 from supple.methods.floating.compiled.batch_start import Axes, differing, stacked
 from supple.programs.program_cache import CachedProgram
 
@@ -95,7 +102,7 @@ def _marched(
     leaves = stacked(models, axes)
     coefficients = equations[0].coefficients
 
-    def marched(states: ErrorState, blocks: Any) -> ErrorState:
+    def marched(states: ErrorState, blocks: Sequence[StepOfRun]) -> ErrorState:
         return jax.device_get(
             program(leaves, gains, coefficients, states, _stacked([blocks[i] for i in numbers]))
         )
@@ -124,26 +131,26 @@ def _marched(
     return [jax.tree.map(lambda leaf, own=own: leaf[own], whole) for own in range(len(equations))]
 
 
-def _stacked(trees: Sequence[Any]) -> Any:
+def _stacked(trees: Sequence[StepOfRun]) -> StepOfRun:
     return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
 
 
 @lru_cache(maxsize=16)
-def _mapped_march(model_structure: Any, axes: Axes) -> CachedProgram:
+def _mapped_march(model_structure: jax.tree_util.PyTreeDef, axes: Axes) -> CachedProgram:
     """The compiled march over cases, for one pattern of shared and differing arguments."""
     return CachedProgram(partial(_march_over_cases, model_structure, axes), MARCHING)
 
 
 def _march_over_cases(
-    model_structure: Any,
+    model_structure: jax.tree_util.PyTreeDef,
     axes: Axes,
-    leaves: list[Any],
+    leaves: list[AnyArray],
     gains: tuple[ElasticGain, ...],
-    coefficients: Any,
+    coefficients: Coefficients,
     states: ErrorState,
-    blocks: Any,
+    blocks: StepOfRun,
 ) -> ErrorState:
-    def one_case(own: list[Any], state: ErrorState, block: Any) -> ErrorState:
+    def one_case(own: list[AnyArray], state: ErrorState, block: StepOfRun) -> ErrorState:
         model = jax.tree.unflatten(model_structure, own)
         return march_error(model, gains, coefficients, state, block)[1]
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_array
 
 from supple.algebra import read_only
 from supple.body import FlexibleBody, Frame, frame_projector
@@ -143,7 +143,7 @@ class _Growing:
         return fields - self.columns @ (self.columns.T @ (self._mass @ fields))
 
 
-def _lengths(fields: Array, mass: Any) -> tuple[Array, Array]:
+def _lengths(fields: Array, mass: csc_array) -> tuple[Array, Array]:
     """Weights (m, m) of the principal directions of fields (n, m) in the M-norm, and their lengths (m,)."""
     gram = fields.T @ (mass @ fields)
     squares, weights = np.linalg.eigh((gram + gram.T) / 2)

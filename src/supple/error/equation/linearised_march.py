@@ -25,15 +25,16 @@ Source: original to this project; the step is that of Chung & Hulbert (1993) on 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian
-from supple.equations.balance import balance, tangent
+from supple.equations.balance import Linearization, balance, tangent
 from supple.equations.compiler_options import MARCHING
 from supple.equations.configuration import AnyArray, SystemMotion, advance
 from supple.equations.joint_force import constraint_rows
@@ -52,36 +53,36 @@ class ElasticGain:
 
     start: int = field(metadata=STATIC)
     """Index of its first coordinate among the velocities"""
-    stiffness: Any
+    stiffness: AnyArray
     """(m, k, k)"""
-    viscous: Any
+    viscous: AnyArray
     """(m, k, k): of damping, per unit of retardation time; (0, k, k) without strain-rate damping"""
-    viscous_stiffness: Any
+    viscous_stiffness: AnyArray
     """(n, k, k): of the strain-rate stress, per unit of retardation time"""
 
 
 class GainHistory(NamedTuple):
     """Additional forces of one body at every step, and the weights of its matrices."""
 
-    force: Any
+    force: AnyArray
     """(t, k) elastic, beyond the stiffness at rest"""
-    viscous_force: Any
+    viscous_force: AnyArray
     """(t, k) of the strain rates, beyond the damping at rest, per unit of retardation time"""
-    weights: Any
+    weights: AnyArray
     """(t, m)"""
-    rate_weights: Any
+    rate_weights: AnyArray
     """(t, n)"""
-    retardation: Any
+    retardation: AnyArray
     """(t,) retardation time of the body"""
 
 
 class StepOfRun(NamedTuple):
     """A step of the run and the state at its end; stacked over the steps."""
 
-    h: Any
+    h: AnyArray
     motion: SystemMotion
     """At the end of the step"""
-    turn: Any
+    turn: AnyArray
     """(nb, 3) `Dpsi` of the frames"""
     gains: tuple[GainHistory, ...]
 
@@ -89,12 +90,16 @@ class StepOfRun(NamedTuple):
 class ErrorState(NamedTuple):
     """True motion less the run's motion, (n,) each."""
 
-    position: Any
-    velocity: Any
-    acceleration: Any
-    auxiliary: Any
-    multipliers: Any
+    position: AnyArray
+    velocity: AnyArray
+    acceleration: AnyArray
+    auxiliary: AnyArray
+    multipliers: AnyArray
     """(m,)"""
+
+
+_Gained: TypeAlias = tuple[jax.Array, jax.Array, jax.Array]
+"""Additional force, tangent and damping of a body"""
 
 
 class _Linearized(NamedTuple):
@@ -115,7 +120,7 @@ class _Linearized(NamedTuple):
 def _linearized(
     model: Model,
     bodies: tuple[ElasticGain, ...],
-    gains: Any,
+    gains: Sequence[_Gained],
     motion: SystemMotion,
     increments: jax.Array,
     factors: StepFactors,
@@ -127,7 +132,9 @@ def _linearized(
     known : eps_p, w_p
     """
 
-    def equations(position: jax.Array, velocity: jax.Array) -> Any:
+    def equations(
+        position: jax.Array, velocity: jax.Array
+    ) -> tuple[tuple[jax.Array, jax.Array], Linearization]:
         moved = advance(model, motion.configuration, position)
         terms = balance(model, motion._replace(configuration=moved, velocity=velocity))
         return (terms.residual, terms.constraint_residual), terms.linearization
@@ -155,7 +162,7 @@ def _linearized(
     )
 
 
-def _weighted(body: ElasticGain, history: GainHistory) -> tuple[jax.Array, jax.Array, jax.Array]:
+def _weighted(body: ElasticGain, history: GainHistory) -> _Gained:
     """Additional force, tangent and damping of a body at every step of a block."""
     time = history.retardation[:, None]
     gained = jnp.tensordot(history.weights, body.stiffness, axes=1)
@@ -232,7 +239,9 @@ def _march_error(
     """
     gains = [_weighted(body, own) for body, own in zip(bodies, steps.gains, strict=True)]
 
-    def one_step(before: ErrorState, step: Any) -> tuple[ErrorState, ErrorState]:
+    def one_step(
+        before: ErrorState, step: tuple[tuple[jax.Array, SystemMotion, jax.Array], list[_Gained]]
+    ) -> tuple[ErrorState, ErrorState]:
         (h, motion, turn), own_gains = step
         turned, turns = jax.vmap(lambda psi: (rotation_exp(-psi), rotation_right_jacobian(psi)))(turn)
         rule = StepRule(coefficients, h)
