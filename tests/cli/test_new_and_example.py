@@ -243,18 +243,19 @@ def test_a_deck_brings_its_properties_and_a_body_without_sets_is_free(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("material", "length", "gravity"),
+    ("material", "length", "gravity", "second"),
     [
-        ("7.+10,,0.3,2700.", "m", -9.81),
-        ("71000.,,0.3,2.7-9", "mm", -9810.0),
-        ("1.+7,,0.3,2.54-4", "in", -386.1),
-        ("71.,,0.3,2.7-6", "m", -9.81),  # mm, kg, ms: not guessed
+        ("7.+10,,0.3,2700.", "m", -9.81, 1.0),
+        ("71000.,,0.3,2.7-9", "mm", -9810.0, 1.0),
+        ("1.+7,,0.3,2.54-4", "in", -386.1, 1.0),
+        ("71.,,0.3,2.7-6", "mm", -0.00981, 1000.0),  # with kg and ms
     ],
 )
-def test_the_units_of_a_deck_are_those_of_its_materials(material, length, gravity, tmp_path):
+def test_the_units_of_a_deck_are_those_of_its_materials(material, length, gravity, second, tmp_path):
     deck = tmp_path / "plate.bdf"
     deck.write_text(DECK.replace("7.+10,,0.3,2700.", material))
     cases.write_new_case(deck, tmp_path / "plate.toml")
     case = read_case(tmp_path / "plate.toml")
     assert case.units.length == length
     assert case.tables.gravity[2] == gravity
+    assert case.run.times[-1] == second

@@ -72,18 +72,21 @@ def write_new_case(mesh_file: Path, path: Path) -> None:
 
 
 class _Units(NamedTuple):
-    """Consistent units with the second: names, and the gravity of the earth."""
+    """Consistent units: names, the gravity of the earth, and the number of time units in a second."""
 
     length: str
     mass: str
     derived: str
     gravity: float
+    time: str = "s"
+    second: float = 1.0
 
 
 UNITS = (
     _Units("m", "kg", 'force = "N", stress = "Pa"', 9.81),
     _Units("mm", "t", 'force = "N", stress = "MPa"', 9810.0),
     _Units("in", "lbf*s^2/in", 'force = "lbf", stress = "psi"', 386.1),
+    _Units("mm", "kg", 'force = "kN", stress = "GPa"', 9.81e-3, "ms", 1000.0),
 )
 """Units among which those of a deck are guessed; the first are those of other meshes."""
 
@@ -145,7 +148,7 @@ def _units_of(deck: Deck) -> _Units | None:
     known = [getattr(each, "material", None) for each in deck.properties.values()]
     found = {(m.youngs_modulus, m.density) for m in known if isinstance(m, IsotropicMaterial) and m.density}
     for units in UNITS:
-        named = UnitSystem(units.length, units.mass, "s")
+        named = UnitSystem(units.length, units.mass, units.time)
         pascal, dense = named.in_si(mass=1, length=-1, time=-2), named.in_si(mass=1, length=-3)
         assert pascal is not None
         assert dense is not None
@@ -200,7 +203,7 @@ def _case(name: str, named: str, model: _Model) -> str:
 title = "{name} under its weight"
 # GUESS: {why}the body is {model.spans[0]:.4g} long;
 # nothing is converted, so file and case need the same units.
-units = {{ length = "{units.length}", mass = "{units.mass}", time = "s", {units.derived} }}
+units = {{ length = "{units.length}", mass = "{units.mass}", time = "{units.time}", {units.derived} }}
 gravity = [0.0, 0.0, -{units.gravity}]   # GUESS
 
 [[body]]
@@ -210,9 +213,9 @@ name = "{name}"
 
 {_support(name, model)}
 [simulation]
-duration = 1.0       # GUESS
-output_step = 0.01   # GUESS: at least ten per period of the motion of interest
-step = 0.01          # GUESS: the report states its error
+duration = {units.second}       # GUESS
+output_step = {units.second / 100}   # GUESS: at least ten per period of the motion of interest
+step = {units.second / 100}          # GUESS: the report states its error
 start = "equilibrium"
 
 # A load besides the weight, at a node set or an interface:
@@ -220,7 +223,7 @@ start = "equilibrium"
 # kind = "force"
 # at = "{name}.{"SET" if model.ends is None else "tip"}"
 # vector = [0.0, 0.0, 1000.0]
-# law = {{ kind = "ramp", value = 1.0, duration = 0.5 }}
+# law = {{ kind = "ramp", value = 1.0, duration = {units.second / 2} }}
 {_output(name, model)}"""
 
 
