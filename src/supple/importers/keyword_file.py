@@ -77,15 +77,6 @@ class IntegerRows:
     first: BoolArray
 
 
-@dataclass(frozen=True)
-class NumberedPoints:
-    """Points of a block, with their ids and lines."""
-
-    ids: IntArray
-    positions: FloatArray
-    lines: IntArray
-
-
 def read_keyword_file(path: Path) -> KeywordFile:
     """Blocks of a keyword file: keywords and option names in upper case, comments dropped, files included.
 
@@ -137,8 +128,8 @@ def integers(file: KeywordFile, block: KeywordBlock) -> IntegerRows:
     return IntegerRows(_converted(file, words, lines, np.int64), lines, first)
 
 
-def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
-    """Points of a block whose lines are `id, x, y, z`; ImportFormatError names any other line."""
+def numbered_points(file: KeywordFile, block: KeywordBlock) -> tuple[IntArray, FloatArray, IntArray]:
+    """Ids, positions and lines of a block of lines `id, x, y, z`; ImportFormatError names any other line."""
     rows = [fields(text) for _, text in block.data]
     lines = np.array([i for i, _ in block.data], dtype=np.int64)
     for i, row in zip(lines, rows, strict=True):
@@ -149,7 +140,7 @@ def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
     ids = _converted(file, [row[0] for row in rows], lines, np.int64)
     words = [word.upper().replace("D", "E") for row in rows for word in row[1:]]  # Fortran writes 1.D0
     positions = _converted(file, words, np.repeat(lines, 3), np.float64)
-    return NumberedPoints(ids, positions.reshape(-1, 3), lines)
+    return ids, positions.reshape(-1, 3), lines
 
 
 def numbers(file: KeywordFile, line: int, words: list[str]) -> list[float]:

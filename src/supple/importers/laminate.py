@@ -46,6 +46,28 @@ class Ply:
         return np.asarray(T.T @ np.linalg.inv(self.shear) @ T, dtype=np.float64)
 
 
+def orthotropic_stiffness(
+    E1: float, E2: float, E3: float, nu12: float, nu13: float, nu23: float, G12: float, G13: float, G23: float
+) -> FloatArray:
+    """Stiffness (6, 6) of an orthotropic material in its axes, order xx yy zz yz xz xy."""
+    S = np.diag([1 / E1, 1 / E2, 1 / E3, 1 / G23, 1 / G13, 1 / G12])
+    S[0, 1] = S[1, 0] = -nu12 / E1
+    S[0, 2] = S[2, 0] = -nu13 / E1
+    S[1, 2] = S[2, 1] = -nu23 / E2
+    return np.asarray(np.linalg.inv(S), dtype=np.float64)
+
+
+def plane_stress_stiffness(E1: float, E2: float, nu12: float, G12: float) -> FloatArray:
+    """Plane-stress stiffness (3, 3) of an orthotropic material in its axes, order xx, yy, xy.
+
+        Q11 = E1 / (1 - nu12 nu21),  Q12 = nu12 E2 / (1 - nu12 nu21),  Q22 = E2 / (1 - nu12 nu21),  Q66 = G12
+
+    Source: R. M. Jones, Mechanics of Composite Materials, 2nd ed. (1999), eq. (2.70).
+    """
+    d = 1 - nu12**2 * E2 / E1
+    return np.array([[E1 / d, nu12 * E2 / d, 0.0], [nu12 * E2 / d, E2 / d, 0.0], [0.0, 0.0, G12]])
+
+
 def orthotropic_ply(
     E1: float,
     E2: float,
@@ -58,16 +80,9 @@ def orthotropic_ply(
     thickness: float,
     angle: float = 0.0,
 ) -> Ply:
-    """Ply from engineering constants, Pa; it is rigid in transverse shear if G13 or G23 is 0.
-
-        Q11 = E1 / (1 - nu12 nu21),  Q12 = nu12 E2 / (1 - nu12 nu21),  Q22 = E2 / (1 - nu12 nu21),  Q66 = G12
-
-    Source: R. M. Jones, Mechanics of Composite Materials, 2nd ed. (1999), eq. (2.70).
-    """
-    d = 1 - nu12**2 * E2 / E1
-    Q = np.array([[E1 / d, nu12 * E2 / d, 0.0], [nu12 * E2 / d, E2 / d, 0.0], [0.0, 0.0, G12]])
+    """Ply from engineering constants, Pa; it is rigid in transverse shear if G13 or G23 is 0."""
     shear = np.diag([G13, G23]) if G13 > 0 and G23 > 0 else None
-    return Ply(Q, shear, density, thickness, angle)
+    return Ply(plane_stress_stiffness(E1, E2, nu12, G12), shear, density, thickness, angle)
 
 
 def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: float = 0.0) -> WallProperty:

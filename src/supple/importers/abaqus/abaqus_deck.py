@@ -99,11 +99,10 @@ def _account_for_the_rest(model: AbaqusModel) -> None:
     stiff = any(block.type.family in CELL_FAMILIES for block in model.elements)
     for block in model.elements:
         if block.type.family is Family.PLANE:
-            name = f"*ELEMENT, TYPE={block.type.name}"
             if stiff:
-                report.passed_over[name] += len(block.ids)
+                report.passed_over[f"*ELEMENT, TYPE={block.type.name}"] += len(block.ids)
             else:
-                report.leave_out(name, int(block.lines[0]), "a body is solid, not plane", len(block.ids))
+                report.leave_out_elements(block, np.arange(len(block.ids)), "a body is solid, not plane")
 
 
 def _leave_out_options(report: Report, block: KeywordBlock) -> None:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.arrays import FloatArray
 from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
 from supple.importers.keyword_file import KeywordBlock, number_rows
+from supple.importers.laminate import orthotropic_stiffness
 
 DeckMaterial = IsotropicMaterial | AnisotropicMaterial
 
@@ -68,17 +68,6 @@ def read_materials(model: AbaqusModel) -> dict[str, DeckMaterial]:
     return materials
 
 
-def engineering_constants(
-    E1: float, E2: float, E3: float, nu12: float, nu13: float, nu23: float, G12: float, G13: float, G23: float
-) -> FloatArray:
-    """Stiffness (6, 6) of an orthotropic material in its axes, order xx yy zz yz xz xy."""
-    S = np.diag([1 / E1, 1 / E2, 1 / E3, 1 / G23, 1 / G13, 1 / G12])
-    S[0, 1] = S[1, 0] = -nu12 / E1
-    S[0, 2] = S[2, 0] = -nu13 / E1
-    S[1, 2] = S[2, 1] = -nu23 / E2
-    return np.linalg.inv(S)
-
-
 def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
     kind = block.options.get("TYPE", "ISOTROPIC").upper()
     values = [value for row in number_rows(model.file, block) for value in row]
@@ -107,7 +96,7 @@ def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> De
         v = [E1, E2, E2, nu12, 0.0, 0.0, G12, G13, G23]
     if kind.startswith(("LAM", "ENG")):
         if all(value > 0 for value in (*v[:3], *v[6:])):
-            stiffness = engineering_constants(*v)
+            stiffness = orthotropic_stiffness(*v)
     else:
         rows, columns = _ORTHOTROPIC if kind.startswith("ORTHO") else _ANISOTROPIC
         stiffness[_OURS[rows], _OURS[columns]] = v

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -31,11 +31,11 @@ class NodesFound:
     named : (scope, name, ids) of each set
     """
 
-    scopes: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    ids: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    positions: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
-    lines: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    named: list[tuple[int, str, IntArray]] = field(default_factory=list)
+    scopes: IntArray
+    ids: IntArray
+    positions: FloatArray
+    lines: IntArray
+    named: list[tuple[int, str, IntArray]]
 
 
 class _SetsAbove:
@@ -70,7 +70,7 @@ def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[Scope
     ------
     ImportFormatError   words instead of numbers; *NMAP; generation with a bias or from unknown nodes
     """
-    parts: list[tuple[int, IntArray, FloatArray, IntArray]] = []
+    parts: list[tuple[int, IntArray, FloatArray, IntArray]] = [(0, _NO_IDS, np.empty((0, 3)), _NO_IDS)]
     sets = _SetsAbove()
     named: list[tuple[int, str, IntArray]] = []
     systems: dict[int, System] = {}
@@ -100,8 +100,6 @@ def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[Scope
                 members = ids if block.key == "NODE" else np.union1d(bounds, ids)
                 named.append((scope, name, members))
                 sets.add(scope, name, members)
-    if not parts:
-        return NodesFound()
     place = np.concatenate([np.full(len(ids), scope) for scope, ids, _, _ in parts])
     ids, positions, lines = (np.concatenate([part[i] for part in parts]) for i in (1, 2, 3))
     for number, scope in enumerate(scopes):
@@ -123,8 +121,8 @@ def most_generated(file: KeywordFile, line: int, count: int) -> int:
 def _written(file: KeywordFile, block: KeywordBlock, system: System) -> tuple[IntArray, FloatArray, IntArray]:
     if "INPUT" in block.options:
         raise file.error(block.line, f"*{block.name}, INPUT= is not supported; write the data explicitly")
-    points = numbered_points(file, block)
-    return points.ids, _in_global_axes(block, points.positions, system), points.lines
+    ids, positions, lines = numbered_points(file, block)
+    return ids, _in_global_axes(block, positions, system), lines
 
 
 def _in_global_axes(block: KeywordBlock, x: FloatArray, system: System) -> FloatArray:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 
+from supple.arrays import IntArray
 from supple.errors import ImportFormatError
+from supple.importers.abaqus.keyword_elements import ElementBlock
 from supple.importers.deck import LeftOut
 from supple.importers.keyword_file import KeywordBlock, KeywordFile
 
@@ -33,6 +35,11 @@ class Report:
     def leave_out_block(self, block: KeywordBlock, meaning: str) -> None:
         """Record a keyword that is not read."""
         self.leave_out(f"*{block.name}", block.line, meaning)
+
+    def leave_out_elements(self, block: ElementBlock, places: IntArray, meaning: str) -> None:
+        """Record elements of a block, by their indices, that are not read."""
+        first = int(block.lines[places[0]])
+        self.leave_out(f"*ELEMENT, TYPE={block.type.name}", first, meaning, len(places))
 
     def note(self, text: str) -> None:
         """Record a note of one sentence, once."""

@@ -107,12 +107,8 @@ def read_elements(
                 if not len(places):
                     continue
             if section is None or not isinstance(section, _FITS[block.type.family]):
-                model.report.leave_out(
-                    f"*ELEMENT, TYPE={block.type.name}",
-                    int(block.lines[places[0]]),
-                    f"elements {unread[number]} are missing",
-                    len(places),
-                )
+                meaning = f"elements {unread[number]} are missing"
+                model.report.leave_out_elements(block, places, meaning)
             else:
                 builder.add(key, section, block, places)
         if _incompatible(block) and "R" in block.type.name:
@@ -180,12 +176,8 @@ class _Builder:
         for kind, cells, owners in cells_of(block.type, block.nodes[places], self._model.positions):
             whole = (np.diff(np.sort(cells, axis=1), axis=1) != 0).all(axis=1)
             if not whole.all():
-                self._model.report.leave_out(
-                    f"*ELEMENT, TYPE={block.type.name}",
-                    int(block.lines[places[owners[~whole][0]]]),
-                    "elements with repeated nodes that are no simpler cell are missing",
-                    int(np.count_nonzero(~whole)),
-                )
+                meaning = "elements with repeated nodes that are no simpler cell are missing"
+                self._model.report.leave_out_elements(block, places[owners[~whole]], meaning)
             if whole.any():
                 self._add(key, section, block, kind, cells[whole], places[owners[whole]])
 
@@ -200,73 +192,44 @@ class _Builder:
     ) -> None:
         positions = self._model.positions
         corners, numbers = positions[cells], block.first + element
+
+        def append(
+            name: str, made: Property, *, mine: IntArray | slice = slice(None), **of: FloatArray | None
+        ) -> None:
+            own = self._ids.elements[numbers[mine]], self._model.file.numbers[block.lines[element[mine]]]
+            self.elements.append(
+                DeckElements(
+                    *(block.type.name, kind, cells[mine], *own, self._key(name, made)),
+                    released=released_ends(self._releases, numbers[mine]),
+                    reduced=block.type.name.startswith("C3D20R"),
+                    incompatible=_incompatible(block),
+                    **of,
+                )
+            )
+
         match section:
             case SectionOfShells():
                 for own, side in section.sides(corners, numbers):
                     for name, made, places in own.properties(key, cells[side], block.type):
                         mine = side[places]
                         along = own.directions(corners[mine], numbers[mine]) if own.has_directions else None
-                        self._append(name, made, block, kind, cells[mine], element[mine], directions=along)
+                        append(name, made, mine=mine, directions=along)
             case SectionOfBeams():
                 axis_nodes = None if block.axis_nodes is None else positions[block.axis_nodes[element]]
                 along, offsets = section.directions_and_offsets(corners, axis_nodes)
-                made = section.property_of(block.type)
-                released = released_ends(self._releases, block.first + element)
-                self._append(
-                    *(key, made, block, kind, cells, element),
-                    directions=along,
-                    offsets=offsets,
-                    released=released,
-                )
+                append(key, section.property_of(block.type), directions=along, offsets=offsets)
             case SectionOfSolids() if block.type.family is Family.ROD:
-                if isinstance(section.material, IsotropicMaterial):
-                    made_of = section.material
-                    rod = RodProperty(made_of, section.area, 0.0, made_of.density * section.area)
-                    self._append(key, rod, block, kind, cells, element)
+                made_of = section.material
+                if isinstance(made_of, IsotropicMaterial):
+                    append(key, RodProperty(made_of, section.area, 0.0, made_of.density * section.area))
                 else:
-                    self._model.report.leave_out(
-                        f"*ELEMENT, TYPE={block.type.name}",
-                        int(block.lines[0]),
-                        "trusses of a material that is not isotropic are missing",
-                        len(element),
-                    )
+                    meaning = "trusses of a material that is not isotropic are missing"
+                    self._model.report.leave_out_elements(block, element, meaning)
             case SectionOfSolids():
                 axes = None
                 if section.orientation is not None and isinstance(section.material, AnisotropicMaterial):
                     axes = section.orientation.axes(corners.mean(axis=1), numbers)
-                self._append(
-                    key, SolidProperty(section.material), block, kind, cells, element, directions=axes
-                )
-
-    def _append(
-        self,
-        key: str,
-        made: Property,
-        block: ElementBlock,
-        kind: CellType,
-        cells: IntArray,
-        element: IntArray,
-        *,
-        directions: FloatArray | None = None,
-        offsets: FloatArray | None = None,
-        released: BoolArray | None = None,
-    ) -> None:
-        name = self._key(key, made)
-        self.elements.append(
-            DeckElements(
-                block.type.name,
-                kind,
-                cells,
-                self._ids.elements[block.first + element],
-                self._model.file.numbers[block.lines[element]],
-                name,
-                directions,
-                offsets,
-                released,
-                reduced=block.type.name.startswith("C3D20R"),
-                incompatible=_incompatible(block),
-            )
-        )
+                append(key, SolidProperty(section.material), directions=axes)
 
     def _key(self, key: str, made: Property) -> str:
         """The name of the set, with a number if the set has several properties."""

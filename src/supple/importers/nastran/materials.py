@@ -9,6 +9,7 @@ import numpy as np
 
 from supple.arrays import FloatArray
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
+from supple.importers.laminate import orthotropic_stiffness, plane_stress_stiffness
 from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.deck_reading import DeckReading
 
@@ -160,8 +161,7 @@ class Materials:
         d = 1 - nu**2 * E2 / E1 if E1 > 0 else 0.0
         if not (E2 > 0 and d > 0):
             return f"its material {card.word(0)} has no stiffness: E1 = {E1:g}, E2 = {E2:g}, NU12 = {nu:g}"
-        Q = np.array([[E1 / d, nu * E2 / d, 0.0], [nu * E2 / d, E2 / d, 0.0], [0.0, 0.0, G12]])
-        factor = self._reading.stiffness_factor
+        Q, factor = plane_stress_stiffness(E1, E2, nu, G12), self._reading.stiffness_factor
         shear = np.diag([G1Z, G2Z]) * factor if G1Z > 0 and G2Z > 0 else None
         if (G1Z > 0) != (G2Z > 0) and card not in self._half_rigid:
             self._half_rigid.add(card)
@@ -178,18 +178,13 @@ class Materials:
 
     def _mat11(self, card: BulkCard) -> AnisotropicMaterial | str:
         names = ("E1", "E2", "E3", "NU12", "NU13", "NU23", "G12", "G13", "G23")
-        E1, E2, E3, nu12, nu13, nu23, G12, G13, G23 = (
-            card.real(1 + i, what, 0.0) for i, what in enumerate(names)
-        )
-        if min(E1, E2, E3, G12, G13, G23) <= 0:
+        constants = [card.real(1 + i, what, 0.0) for i, what in enumerate(names)]
+        if min(*constants[:3], *constants[6:]) <= 0:
             return f"its material {card.word(0)} has a modulus that is not positive"
-        S = np.diag([1 / E1, 1 / E2, 1 / E3, 1 / G23, 1 / G13, 1 / G12])
-        S[0, 1] = S[1, 0] = -nu12 / E1
-        S[0, 2] = S[2, 0] = -nu13 / E1
-        S[1, 2] = S[2, 1] = -nu23 / E2
-        if not np.linalg.eigvalsh(S)[0] > 0:
+        C = orthotropic_stiffness(*constants)
+        if not np.linalg.eigvalsh(C)[0] > 0:
             return f"its material {card.word(0)} has impossible Poisson's ratios"
-        return AnisotropicMaterial(np.linalg.inv(S) * self._reading.stiffness_factor, self._density(card, 10))
+        return AnisotropicMaterial(C * self._reading.stiffness_factor, self._density(card, 10))
 
 
 # --- materials at the temperature selected by case control: MATT1 with TEMPD and TABLEM1
