@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import cos, cosh, isfinite, pi, sin, tanh
 
 import numpy as np
@@ -58,41 +58,21 @@ class SectionGeometry:
 
     def moved(self, y: float, z: float) -> SectionGeometry:
         """The geometry shifted by (y, z), m; the torsional shear is unchanged."""
-
-        def all_of(loop: Loop) -> Loop:
-            return tuple((p[0] + y, p[1] + z) for p in loop)
-
-        return replace(
-            self,
-            points=all_of(self.points),
-            loops=tuple(all_of(loop) for loop in self.loops),
-            hole=all_of(self.hole),
-        )
+        return self._mapped(lambda p: (p[0] + y, p[1] + z), lambda shear: shear)
 
     def mirrored(self) -> SectionGeometry:
         """The geometry with z replaced by -z; the y components of the torsional shear change sign."""
-
-        def all_of(loop: Loop) -> Loop:
-            return tuple((y, -z) for y, z in loop)
-
-        return SectionGeometry(
-            all_of(self.points),
-            tuple((-y, z) for y, z in self.torsion_shear),
-            tuple(all_of(loop) for loop in self.loops),
-            all_of(self.hole),
-        )
+        return self._mapped(lambda p: (p[0], -p[1]), lambda shear: (-shear[0], shear[1]))
 
     def turned(self) -> SectionGeometry:
         """The geometry rotated by a right angle about the origin: the y axis to -z, the z axis to y."""
+        return self._mapped(lambda p: (p[1], -p[0]), lambda shear: (shear[1], -shear[0]))
 
-        def all_of(loop: Loop) -> Loop:
-            return tuple((z, -y) for y, z in loop)
-
+    def _mapped(self, place: Callable[[Point], Point], shear: Callable[[Point], Point]) -> SectionGeometry:
+        loops = tuple(tuple(map(place, loop)) for loop in self.loops)
         return SectionGeometry(
-            all_of(self.points),
-            all_of(self.torsion_shear),
-            tuple(all_of(loop) for loop in self.loops),
-            all_of(self.hole),
+            *(tuple(map(place, self.points)), tuple(map(shear, self.torsion_shear)), loops),
+            hole=tuple(map(place, self.hole)),
         )
 
 

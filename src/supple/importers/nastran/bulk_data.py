@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from supple.importers.inclusion import Inclusions, included_file
 from supple.importers.nastran.without_effect import has_no_effect
 from supple.importers.plain_number import is_plain, plain_integer
 from supple.importers.text_file import is_file
+
+Number = TypeVar("Number", int, float)
 
 _CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}$")
 _EXPONENT_WITHOUT_E = re.compile(r"([+-]?[0-9]*\.?[0-9]*)([+-][0-9]+)$")
@@ -70,39 +72,41 @@ class BulkCard(NamedTuple):
         return self.fields[place].upper() if place < len(self.fields) else ""
 
     def integer(self, place: int, what: str, default: int | None = None) -> int:
-        """The field as an integer; `default` if it is blank.
+        """The field as an integer of 64 bits; `default` if it is blank.
 
-        ImportFormatError if it is not an integer of 64 bits, or blank without a default.
+        ImportFormatError for another word, or if the field is blank without a default.
         """
-        word = self.word(place)
-        if not word:
-            if default is None:
-                raise self.error(f"{what} (field {self._field(place)}) is blank; give a whole number")
-            return default
-        try:
-            return plain_integer(word)
-        except ValueError:
-            raise self.error(
-                f"{what} (field {self._field(place)}) is '{word[:40]}', not a whole number of 64 bits; "
-                "correct it"
-            ) from None
+        return self._value(place, what, default, plain_integer, "a whole number", " of 64 bits")
 
     def real(self, place: int, what: str, default: float | None = None) -> float:
-        """The field as a number; `default` if it is blank.
+        """The field as a number; `default` and errors as for `integer`."""
+        return self._value(place, what, default, bulk_real, "a number")
 
-        ImportFormatError if it is not a number, or blank without a default.
-        """
-        word = self.word(place)
+    def property_id(self) -> int:
+        """The id of the property of an element, which is that of the element if its field is blank."""
+        return self.integer(1, "the property id", self.integer(0, "the element id"))
+
+    def _value(
+        self,
+        place: int,
+        what: str,
+        default: Number | None,
+        read: Callable[[str], Number],
+        kind: str,
+        limit: str = "",
+    ) -> Number:
+        word, what = (
+            self.word(place),
+            f"{what} (field {place % 8 + 2})",
+        )  # Nastran's number in its row, 2 to 9
         if not word:
             if default is None:
-                raise self.error(f"{what} (field {self._field(place)}) is blank; give a number")
+                raise self.error(f"{what} is blank; give {kind}")
             return default
         try:
-            return bulk_real(word)
+            return read(word)
         except ValueError:
-            raise self.error(
-                f"{what} (field {self._field(place)}) is '{word[:40]}', not a number; correct it"
-            ) from None
+            raise self.error(f"{what} is '{word[:40]}', not {kind}{limit}; correct it") from None
 
     def ranges(self, places: Iterable[int], what: str = "an id") -> list[range]:
         """Ids in a list of fields without the blank ones: one each, or A THRU B, or A THRU B BY STEP.
@@ -130,10 +134,6 @@ class BulkCard(NamedTuple):
     def same_as(self, other: BulkCard) -> bool:
         """Whether another card has equal name and fields: 1. and 1.0 are equal, trailing blanks ignored."""
         return self.name == other.name and _content(self.fields) == _content(other.fields)
-
-    def _field(self, place: int) -> int:
-        """Nastran's number, 2 to 9, of the field in its row."""
-        return place % 8 + 2
 
 
 @dataclass(frozen=True)

@@ -176,7 +176,7 @@ def read_solids(reading: DeckReading, materials: Materials) -> tuple[list[DeckEl
     for name in SOLID_CARDS:
         groups: dict[tuple[str, int], list[BulkCard]] = {}
         for card in reading.file.named(name):
-            number = card.integer(1, "the property id", card.integer(0, "the element id"))
+            number = card.property_id()
             of = properties.name(card, number, None, lambda card: _solid(card, materials))
             if of:
                 groups.setdefault((of, number), []).append(card)

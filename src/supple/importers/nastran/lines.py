@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from math import atan2, ceil, pi, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,48 +36,40 @@ PIECES_OF_A_RIGHT_ANGLE = 16
 """Number of straight pieces for 90 degrees of a curved beam; the error falls with its square."""
 
 
-@dataclass(eq=False)
-class _Lines:
-    """Cells of one card name and property while they are collected."""
+class _Line(NamedTuple):
+    """A cell of a card between two nodes; direction, offsets and released freedoms as in `DeckElements`."""
 
-    nodes: list[list[int]] = field(default_factory=list)
-    ids: list[int] = field(default_factory=list)
-    lines: list[int] = field(default_factory=list)
-    directions: list[FloatArray] = field(default_factory=list)
-    offsets: list[FloatArray] = field(default_factory=list)
-    released: list[BoolArray] = field(default_factory=list)
+    card: BulkCard
+    ends: list[int]
+    direction: FloatArray | None = None
+    offsets: FloatArray = np.zeros((2, 3))
+    released: BoolArray = np.zeros(12, dtype=bool)
 
-    def add(
-        self,
-        card: BulkCard,
-        ends: list[int],
-        direction: FloatArray | None = None,
-        offsets: FloatArray | None = None,
-        released: BoolArray | None = None,
-    ) -> None:
-        """Add the cell of a card between two nodes."""
-        self.nodes.append(ends)
-        self.ids.append(int(card.fields[0]))
-        self.lines.append(card.line)
-        if direction is not None:
-            self.directions.append(direction)
-            self.offsets.append(np.zeros((2, 3)) if offsets is None else offsets)
-            self.released.append(np.zeros(12, dtype=bool) if released is None else released)
 
-    def elements(self, name: str, of: str) -> DeckElements:
-        """The cells of a card name and property; offsets and released freedoms are None if all are zero."""
-        offsets, released = np.array(self.offsets), np.array(self.released)
-        return DeckElements(
-            name,
-            CellType.LINE2,
-            np.array(self.nodes, dtype=np.int64),
-            np.array(self.ids, dtype=np.int64),
-            np.array(self.lines, dtype=np.int64),
-            of,
-            np.array(self.directions) if self.directions else None,
-            offsets if offsets.any() else None,
-            released if released.any() else None,
+_Groups = dict[tuple[str, str], list[_Line]]
+"""Cells by card name and property."""
+
+
+def _elements(groups: _Groups) -> list[DeckElements]:
+    """The cells of each group; offsets and released freedoms are None if all are zero."""
+    found = []
+    for (name, of), lines in groups.items():
+        nodes, offsets, released = (
+            np.array([getattr(line, part) for line in lines]) for part in ("ends", "offsets", "released")
         )
+        ids, places = (
+            np.array(each) for each in zip(*((int(c.fields[0]), c.line) for c, *_ in lines), strict=True)
+        )
+        directions = [line.direction for line in lines if line.direction is not None]
+        found.append(
+            DeckElements(
+                *(name, CellType.LINE2, nodes, ids, places, of),
+                np.array(directions) if directions else None,
+                offsets if offsets.any() else None,
+                released if released.any() else None,
+            )
+        )
+    return found
 
 
 def read_rods(
@@ -85,10 +78,9 @@ def read_rods(
     """Cells and properties of CROD with PROD, CTUBE with PTUBE, and CONROD, which has its own values."""
     properties = Properties(reading, *ROD_PROPERTY_CARDS)
     own = Properties(reading)
-    groups: dict[tuple[str, str], _Lines] = {}
+    groups: _Groups = {}
     for card in reading.file.named(*ROD_CARDS):
-        element = card.integer(0, "the element id")
-        nsm = added.get(element, 0.0)
+        nsm = added.get(card.integer(0, "the element id"), 0.0)
         if card.name == "CONROD":
             number, total = card.integer(3, "the material id"), card.real(7, "NSM", 0.0) + nsm
             area, J, arm = (card.real(4 + i, what, 0.0) for i, what in enumerate(("A", "J", "C")))
@@ -98,13 +90,12 @@ def read_rods(
             of = own.name(card, number, (area, J, arm, total), lambda _, made=made: made)
             ends = grids_named([card], reading, 1, 2)[0].tolist()
         else:
-            number = card.integer(1, "the property id", element)
+            number = card.property_id()
             of = properties.name(card, number, nsm, lambda c, n=nsm: read_rod(c, materials, reading, n))
             ends = grids_named([card], reading, 2, 2)[0].tolist()
         if of:
-            groups.setdefault((card.name, of), _Lines()).add(card, ends)
-    found = [lines.elements(name, of) for (name, of), lines in groups.items()]
-    return found, properties.found | own.found
+            groups.setdefault((card.name, of), []).append(_Line(card, ends))
+    return _elements(groups), properties.found | own.found
 
 
 def read_beams(
@@ -112,10 +103,9 @@ def read_beams(
 ) -> tuple[list[DeckElements], dict[str, Property]]:
     """Cells and properties of CBAR and CBEAM, and of CBEND as straight pieces of an arc."""
     properties = Properties(reading, *BEAM_PROPERTY_CARDS)
-    groups: dict[tuple[str, str], _Lines] = {}
+    groups: _Groups = {}
     for card in reading.file.named(*BEAM_CARDS):
-        element = card.integer(0, "the element id")
-        number, nsm = card.integer(1, "the property id", element), added.get(element, 0.0)
+        number, nsm = card.property_id(), added.get(card.integer(0, "the element id"), 0.0)
         ends = grids_named([card], reading, 2, 2)[0].tolist()
         if card.name == "CBEND":
             _curved(card, ends, number, nsm, properties, groups, materials, reading)
@@ -132,8 +122,9 @@ def read_beams(
             if not set(pins) <= set("0123456"):
                 raise card.error(f"a pin flag is '{pins}'; it lists some of 123456")
             released[[6 * end + int(pin) - 1 for pin in pins if pin != "0"]] = True
-        groups.setdefault((card.name, of), _Lines()).add(card, ends, direction, offsets, released)
-    return [lines.elements(name, of) for (name, of), lines in groups.items()], properties.found
+        line = _Line(card, ends, direction, offsets, released)
+        groups.setdefault((card.name, of), []).append(line)
+    return _elements(groups), properties.found
 
 
 def beams_filled(file: BulkFile) -> BulkFile:
@@ -213,7 +204,7 @@ def _curved(
     number: int,
     nsm: float,
     properties: Properties,
-    groups: dict[tuple[str, str], _Lines],
+    groups: _Groups,
     materials: Materials,
     reading: DeckReading,
 ) -> None:
@@ -247,9 +238,9 @@ def _curved(
     angles = angle * np.arange(pieces + 1) / pieces
     arms = np.cos(angles)[:, None] * a + np.sin(angles)[:, None] * radius * tangent
     nodes = [ends[0], *(reading.add_node(centre + arm) for arm in arms[1:-1]), ends[1]]
-    lines = groups.setdefault((card.name, of), _Lines())
-    for i in range(pieces):
-        lines.add(card, [nodes[i], nodes[i + 1]], (arms[i] + arms[i + 1]) / (2 * radius))
+    middles = (arms[1:] + arms[:-1]) / (2 * radius)
+    lines = [_Line(card, nodes[i : i + 2], middles[i]) for i in range(pieces)]
+    groups.setdefault((card.name, of), []).extend(lines)
     reading.note(
         f"Curved beams (CBEND) are {PIECES_OF_A_RIGHT_ANGLE} straight pieces a right angle, between nodes on "
         "their arc."

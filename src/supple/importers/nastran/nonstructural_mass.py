@@ -85,7 +85,7 @@ def _members(card: BulkCard, of: str, ids: list[range] | None, reading: DeckRead
         reading.leave_out(card, f"left out: mass of {of or 'no type'} is not read")
         return []
     numbers = (
-        (element, element.integer(field, "an id", element.integer(0, "the element id")))
+        (element, element.property_id() if field else element.integer(0, "the element id"))
         for element in reading.file.named(*names)
     )
     return [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 
 from supple.arrays import FloatArray, IntArray
@@ -22,6 +24,9 @@ POINT_PROPERTY_CARDS = ("PELAS", "PDAMP", "PMASS", "PBUSH", "PBUSH1D", "PVISC", 
 # Number of fields of one property; a card may define several properties.
 _PER_PROPERTY = {"PELAS": 4, "PDAMP": 2, "PMASS": 2, "PVISC": 4}
 _VALUES = {"CELAS": "PELAS", "CDAMP": "PDAMP", "CMASS": "PMASS"}
+
+
+Known = TypeVar("Known", BulkCard, tuple[BulkCard, int])
 
 
 def read_point_elements(reading: DeckReading, materials: Materials) -> None:
@@ -45,15 +50,12 @@ def read_point_elements(reading: DeckReading, materials: Materials) -> None:
     ):
         properties = by_id(reading.file.named(of), "property")
         for card in reading.file.named(name):
-            number = card.integer(1, "the property id", card.integer(0, "the element id"))
-            if number in properties:
-                read(card, properties[number], reading)
-            else:
-                reading.leave_out(card, f"elements left out: no {of} is their property")
+            known = _property(card, properties, of, reading)
+            if known is not None:
+                read(card, known, reading)
     panels = by_id(reading.file.named("PSHEAR"), "property")
     for card in reading.file.named("CSHEAR"):
-        number = card.integer(1, "the property id", card.integer(0, "the element id"))
-        _shear_panel(card, panels.get(number), materials, reading)
+        _shear_panel(card, panels.get(card.property_id()), materials, reading)
     for card in reading.file.named("CONM2"):
         reading.masses.append(_conm2(card, reading))
     for card in reading.file.named("CONM1"):
@@ -65,6 +67,14 @@ def _several(cards: list[BulkCard], step: int) -> dict[int, tuple[BulkCard, int]
     found = [(card, i) for card in cards for i in range(0, len(card.fields), step) if card.word(i)]
     by_id([card._replace(fields=card.fields[i : i + step]) for card, i in found], "property")
     return {card.integer(i, "the property id"): (card, i) for card, i in found}
+
+
+def _property(card: BulkCard, properties: dict[int, Known], of: str, reading: DeckReading) -> Known | None:
+    """The property of an element; None if it is missing, with a record."""
+    found = properties.get(card.property_id())
+    if found is None:
+        reading.leave_out(card, f"elements left out: no {of} is their property")
+    return found
 
 
 def _scalar(
@@ -81,11 +91,10 @@ def _scalar(
     A blank point is ground.
     """
     if form in "13":
-        number = card.integer(1, "the property id", card.integer(0, "the element id"))
-        if number not in properties:
-            reading.leave_out(card, f"elements left out: no {of} is their property")
+        found = _property(card, properties, of, reading)
+        if found is None:
             return
-        known, place = properties[number]
+        known, place = found
         value = known.real(place + 1, "its value", 0.0)
     else:
         value = card.real(1, "its value", 0.0)
@@ -214,10 +223,7 @@ def _bush_along(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
     if card.word(4):
         axes = reading.system(card, card.integer(4, "CID")).directions(xa[None])[0]
     else:
-        chord = xa * 0 if b is None else reading.grids.positions[b] - xa
-        if not np.linalg.norm(chord) > 0:
-            raise card.error("its two grids coincide, so it has no direction; give CID")
-        axes = np.repeat((chord / np.linalg.norm(chord))[:, None], 3, axis=1)
+        axes = _along(card, xa, xa if b is None else reading.grids.positions[b], "give CID")
     terms = _relative(a, b, axes, xa, 0, reading)
     k, c, m = (known.real(1 + i, what, 0.0) for i, what in enumerate("KCM"))
     if any(known.word(place) for place in range(8, len(known.fields))):
@@ -230,19 +236,23 @@ def _bush_along(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
         _bush_mass(a, b, m, reading)
 
 
+def _along(card: BulkCard, xa: FloatArray, xb: FloatArray, remedy: str) -> FloatArray:
+    """The direction (3, 3) from GA to GB, in each column."""
+    length = np.linalg.norm(xb - xa)
+    if not length > 0:
+        raise card.error(f"its two grids coincide, so it has no direction; {remedy}")
+    return np.repeat(((xb - xa) / length)[:, None], 3, axis=1)
+
+
 def _viscous(card: BulkCard, properties: dict[int, tuple[BulkCard, int]], reading: DeckReading) -> None:
     """EID PID G1 G2; PVISC: CE along the line, CR about it."""
-    number = card.integer(1, "the property id", card.integer(0, "the element id"))
-    if number not in properties:
-        reading.leave_out(card, "elements left out: no PVISC is their property")
+    found = _property(card, properties, "PVISC", reading)
+    if found is None:
         return
-    known, place = properties[number]
+    known, place = found
     a, b = (reading.node(card, 2 + i, "a grid") for i in range(2))
     xa = reading.grids.positions[a]
-    chord = reading.grids.positions[b] - xa
-    if not np.linalg.norm(chord) > 0:
-        raise card.error("its two grids coincide, so it has no direction; use CDAMP")
-    axes = np.repeat((chord / np.linalg.norm(chord))[:, None], 3, axis=1)
+    axes = _along(card, xa, reading.grids.positions[b], "use CDAMP")
     for which, of in ((0, 1), (3, 2)):
         value = known.real(place + of, "its damping", 0.0) * reading.damping_factor
         if value:
