@@ -28,6 +28,13 @@ _FEWER = {
 _SURFACES = ("quad", "triangle6", "quad8")
 
 
+LAYERED = {
+    "hexahedron": (*range(12), *range(16, 20), *range(12, 16)),
+    "wedge": (*range(9), *range(12, 15), *range(9, 12)),
+}
+"""Position of each node of the library's order in formats with middle nodes of bottom, upright, then top."""
+
+
 @dataclass(frozen=True, eq=False)
 class CellBlock:
     """Cells (n, k) of one type, with meshio's name and order of nodes, and their ids.

@@ -17,7 +17,7 @@ from supple.arguments import checked_arguments
 from supple.arrays import FloatArray, IntArray
 from supple.copied_hdf5 import open_copied
 from supple.errors import ImportFormatError
-from supple.importers.cell_blocks import CellBlock, file_mesh
+from supple.importers.cell_blocks import LAYERED, CellBlock, file_mesh
 from supple.importers.file_mesh import FileMesh, UnusedNodes
 from supple.importers.text_file import file_content
 from supple.mesh import CellType, Mesh
@@ -41,11 +41,6 @@ _SIZES = {
     "wedge": {6: "wedge", 15: "wedge15", 18: "wedge18"},
     "hexahedron": {8: "hexahedron", 20: "hexahedron20", 27: "hexahedron27"},
 }  # fmt: skip
-# Position in Exodus of each node of the library's order; Exodus has middle nodes: bottom, upright, top.
-_ORDERS = {
-    "hexahedron": (*range(12), *range(16, 20), *range(12, 16)),
-    "wedge": (*range(9), *range(12, 15), *range(9, 12)),
-}
 # Corners of each side in the order of Exodus; the sides of a shell are its two faces, then its edges. Other
 # surfaces (QUAD, and TRI in two dimensions) have no faces among their sides.
 _SIDES = {
@@ -128,8 +123,8 @@ def _file_mesh(path: Path, parts: _Parts) -> FileMesh:
                 f"{path}: block '{label}' has {given or 'nameless'} elements of {cells.shape[1]} nodes, "
                 f"which are not read; supported are {', '.join(_NAMES)}"
             )
-        if shape in _ORDERS:
-            order = [*_ORDERS[shape], *range(len(_ORDERS[shape]), cells.shape[1])][: cells.shape[1]]
+        if shape in LAYERED:
+            order = [*LAYERED[shape], *range(len(LAYERED[shape]), cells.shape[1])][: cells.shape[1]]
             cells = cells[:, order]
             shapes[-1] = (*shapes[-1][:2], cells)
         blocks.append(CellBlock(kind, cells, own, {label: np.ones(len(cells), dtype=bool)}))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum
 
 __all__ = ["CellType"]
@@ -62,3 +63,12 @@ class CellType(Enum):
         self.dimension = dimension
         self.edges = edges
         self.faces = faces
+
+    def middles(self, corners: Sequence[int]) -> tuple[int, ...]:
+        """Mid-edge nodes around a face, from its first corner to the second on; none of a linear cell."""
+        if self.n_nodes == self.n_corners:
+            return ()
+        of_edge = {frozenset(edge): self.n_corners + i for i, edge in enumerate(self.edges)}
+        return tuple(
+            of_edge[frozenset(edge)] for edge in zip(corners, [*corners[1:], corners[0]], strict=True)
+        )

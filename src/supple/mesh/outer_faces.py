@@ -67,8 +67,5 @@ def outer_triangles(mesh: Mesh, nodes: IntArray) -> IntArray:
 
 def _rim(kind: CellType, corners: tuple[int, ...]) -> list[int]:
     """Local nodes around a face, with the mid-edge ones where the cell has them."""
-    if kind.n_nodes == kind.n_corners:
-        return list(corners)
-    middle = {frozenset(edge): kind.n_corners + i for i, edge in enumerate(kind.edges)}
-    pairs = zip(corners, corners[1:] + corners[:1], strict=True)
-    return [node for start, end in pairs for node in (start, middle[frozenset((start, end))])]
+    middles = kind.middles(corners)
+    return [node for pair in zip(corners, middles, strict=True) for node in pair] if middles else [*corners]

@@ -179,8 +179,11 @@ def face_nodes(kind: ElementType, label: str) -> tuple[int, ...]:
     match = re.fullmatch(r"([SE])([1-6])", label)
     is_edge, number = (match[1] == "E", int(match[2])) if match else (False, 0)
     if kind.family is Family.SOLID:
-        faces = _FACES[_solid_corners(kind)]
-        return _solid_face(kind, faces[number - 1]) if 0 < number <= len(faces) and not is_edge else ()
+        cell = CellType[CELLS[kind.n_nodes]]
+        faces = _FACES[cell.n_corners]
+        if is_edge or not 0 < number <= len(faces):
+            return ()
+        return (*faces[number - 1], *cell.middles(faces[number - 1]))
     if kind.family in (Family.BEAM, Family.ROD) and label in ("END1", "END2"):
         return (0 if label == "END1" else kind.n_nodes - 1,)
     if kind.family not in _WITH_EDGES or kind.n_nodes < 3:
@@ -196,22 +199,9 @@ def face_nodes(kind: ElementType, label: str) -> tuple[int, ...]:
     return (edge, (edge + 1) % corners, *([corners + edge] if n > corners else [])) if edge < corners else ()
 
 
-def _solid_face(kind: ElementType, corners: tuple[int, ...]) -> tuple[int, ...]:
-    """A face with its mid-edge nodes."""
-    cell = CellType[CELLS[kind.n_nodes]]
-    if cell.n_nodes == cell.n_corners:
-        return corners
-    middle = {frozenset(edge): cell.n_corners + i for i, edge in enumerate(cell.edges)}
-    around = zip(corners, (*corners[1:], corners[0]), strict=True)
-    return (*corners, *(middle[frozenset(edge)] for edge in around))
-
-
 def all_faces(kind: ElementType) -> tuple[tuple[int, ...], ...]:
     """Indices as of `face_nodes` for all faces of an element, also those that another element shares."""
-    n = len(_FACES[_solid_corners(kind)]) if kind.family is Family.SOLID else 1
-    labels = [f"S{i + 1}" for i in range(n)] if kind.family is Family.SOLID else [""]
+    labels = [""]
+    if kind.family is Family.SOLID:
+        labels = [f"S{i + 1}" for i in range(len(_FACES[CellType[CELLS[kind.n_nodes]].n_corners]))]
     return tuple(face_nodes(kind, label) for label in labels)
-
-
-def _solid_corners(kind: ElementType) -> int:
-    return {10: 4, 13: 5, 15: 6, 20: 8, 27: 8}.get(kind.n_nodes, kind.n_nodes)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from supple.arrays import FloatArray, IntArray
+from supple.importers.cell_blocks import LAYERED
 from supple.importers.deck import DeckElements, IsotropicMaterial, Property, ShellProperty, SolidProperty
 from supple.importers.nastran.bulk_data import BulkCard, by_id, integer_column
 from supple.importers.nastran.deck_reading import DeckReading
@@ -18,55 +19,12 @@ from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, spli
 from supple.mesh import CellType
 from supple.mesh.reference_cell import mirrored_order
 
-
-@dataclass(frozen=True)
-class _Solid:
-    """A solid element: number of its corners, linear cell type, quadratic cell type.
-
-    order : for each node of the quadratic cell type, its position (from 0) among the nodes of the card
-    edges : the two corners of the edge of each middle node, in the order of the card
-    """
-
-    corners: int
-    linear: CellType
-    quadratic: CellType
-    order: tuple[int, ...]
-    edges: tuple[tuple[int, int], ...]
-
-
-# Nastran lists the middle nodes of bottom, upright, then top edges; a CellType of bottom, top, then upright.
+# Linear and quadratic type of the cells of solid elements.
 _SOLIDS = {
-    "CTETRA": _Solid(
-        4,
-        CellType.TETRA4,
-        CellType.TETRA10,
-        tuple(range(10)),
-        ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
-    ),
-    "CHEXA": _Solid(
-        8,
-        CellType.HEXA8,
-        CellType.HEXA20,
-        (*range(12), *range(16, 20), *range(12, 16)),
-        (
-            *((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 5)),
-            *((2, 6), (3, 7), (4, 5), (5, 6), (6, 7), (7, 4)),
-        ),
-    ),
-    "CPENTA": _Solid(
-        6,
-        CellType.WEDGE6,
-        CellType.WEDGE15,
-        (*range(9), *range(12, 15), *range(9, 12)),
-        ((0, 1), (1, 2), (2, 0), (0, 3), (1, 4), (2, 5), (3, 4), (4, 5), (5, 3)),
-    ),
-    "CPYRAM": _Solid(
-        5,
-        CellType.PYRAMID5,
-        CellType.PYRAMID13,
-        tuple(range(13)),
-        ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)),
-    ),
+    "CTETRA": (CellType.TETRA4, CellType.TETRA10),
+    "CHEXA": (CellType.HEXA8, CellType.HEXA20),
+    "CPENTA": (CellType.WEDGE6, CellType.WEDGE15),
+    "CPYRAM": (CellType.PYRAMID5, CellType.PYRAMID13),
 }
 SOLID_CARDS = tuple(_SOLIDS)
 SOLID_PROPERTY_CARDS = ("PSOLID", "PCOMPS")
@@ -209,19 +167,21 @@ def _solid_cells(
     middles: _Middles,
     properties: Properties,
 ) -> list[DeckElements]:
-    solid, system = _SOLIDS[name], psolid.integer(2, "the material's axes CORDM", 0)
+    (linear, whole), system = _SOLIDS[name], psolid.integer(2, "the material's axes CORDM", 0)
+    n, order = linear.n_corners, [*LAYERED.get(linear.meshio_name, range(whole.n_nodes))]
     # By default (fields IN and ISOP) CHEXA has bubble functions and so no parasitic shear in bending.
     bubble = psolid.word(3) in ("", "0", "BUBBLE") and psolid.word(5) not in ("1", "FULL")
-    quadratic = [not card.is_blank(2 + solid.corners, 2 + len(solid.order)) for card in cards]
+    quadratic = [not card.is_blank(2 + n, 2 + len(order)) for card in cards]
     found: list[DeckElements] = []
     for wanted in (False, True):
         chosen = [card for card, is_quadratic in zip(cards, quadratic, strict=True) if is_quadratic == wanted]
         if not chosen:
             continue
-        kind = solid.quadratic if wanted else solid.linear
-        nodes = grids_named(chosen, reading, 2, solid.corners)
+        kind = whole if wanted else linear
+        nodes = grids_named(chosen, reading, 2, n)
         if wanted:
-            nodes = np.concatenate([nodes, middles.of(chosen, solid, nodes)], axis=1)[:, list(solid.order)]
+            edges = [edge for _, edge in sorted(zip(order[n:], whole.edges, strict=True))]
+            nodes = np.concatenate([nodes, middles.of(chosen, edges, nodes)], axis=1)[:, order]
         nodes = _oriented_outwards(kind, nodes, reading)
         ids, lines = integer_column(chosen, 0, "the element id"), np.array([card.line for card in chosen])
         axes = _material_axes(properties.found[of], system, nodes, reading, chosen)
@@ -275,11 +235,11 @@ class _Middles:
         self._reading = reading
         self._added: dict[tuple[int, int], tuple[int, int]] = {}
 
-    def of(self, cards: Sequence[BulkCard], solid: _Solid, corners: IntArray) -> IntArray:
-        """Numbers (C, m) of the middle nodes of the cards, in the order of a card."""
-        nodes = grids_named(cards, self._reading, 2 + solid.corners, len(solid.edges), blanks=True)
+    def of(self, cards: Sequence[BulkCard], edges: Sequence[tuple[int, int]], corners: IntArray) -> IntArray:
+        """Numbers (C, m) of the middle nodes of the cards, in the order of a card, as of the edges."""
+        nodes = grids_named(cards, self._reading, 2 + corners.shape[1], len(edges), blanks=True)
         for row, place in np.argwhere(nodes < 0).tolist():
-            a, b = sorted(int(corners[row, corner]) for corner in solid.edges[place])
+            a, b = sorted(int(corners[row, corner]) for corner in edges[place])
             if (a, b) not in self._added:
                 positions = self._reading.positions(np.array([a, b]))
                 self._added[a, b] = (self._reading.add_node(positions.mean(axis=0)), cards[row].line)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import ImportFormatError
-from supple.importers.nastran.bulk_data import BulkCard, BulkFile, integer_column, reals
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile, by_id, integer_column, reals
 from supple.importers.numbering import positions_of_ids
 
 
@@ -184,15 +184,7 @@ def _once(cards: list[BulkCard]) -> list[BulkCard]:
     ids = integer_column(cards, 0, "the grid id")
     if np.unique(ids).size == len(ids):
         return cards
-    found: dict[int, BulkCard] = {}
-    for card, number in zip(cards, ids.tolist(), strict=True):
-        first = found.setdefault(number, card)
-        if first is not card and not card.same_as(first):
-            raise card.error(
-                f"grid {number} is defined a second time and differs from that of line {first.line}; "
-                "renumber or remove it"
-            )
-    return list(found.values())
+    return list(by_id(cards, "grid").values())
 
 
 def _resolve(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import chain
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from supple.arrays import BoolArray, FloatArray
 from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.freedom_sums import Terms, relative_motion
-from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.deck_reading import DeckReading, times
 from supple.importers.numbering import in_range
 
@@ -28,14 +28,8 @@ def read_ties(reading: DeckReading, turning: BoolArray) -> tuple[list[RigidTie],
     """
     rigid: list[RigidTie] = []
     means: list[WeightedMean] = []
-    taken: dict[int, BulkCard] = {}
-    for card in reading.file.named(*(name for name in RIGID_CARDS if name[0] == "R")):
-        number = card.integer(0, "the element id")
-        first = taken.setdefault(number, card)
-        if first is not card:
-            if not card.same_as(first):
-                raise card.error(f"element {number} is defined a second time; renumber or remove it")
-            continue
+    cards = reading.file.named(*(name for name in RIGID_CARDS if name[0] == "R"))
+    for card in by_id(cards, "element").values():
         match card.name:
             case "RBE2":
                 _rbe2(card, reading, turning, rigid)
@@ -137,6 +131,20 @@ def _alone(terms: Terms) -> int:
     return terms[0][0] if len(terms) == 1 else -1
 
 
+def _rigid_motions(
+    sides: Sequence[Side], origin: FloatArray, reading: DeckReading
+) -> tuple[FloatArray, list[Terms]]:
+    """Directions and moments about the origin of the components of some sides (k, 6), and their terms."""
+    T, own = [], []
+    for node, components in sides:
+        arm = reading.grids.positions[node] - origin
+        for component in (int(c) - 1 for c in components):
+            e = reading.grids.axes[node][:, component % 3]
+            T.append([*e, *np.cross(arm, e)] if component < 3 else [0.0, 0.0, 0.0, *e])
+            own.append(reading.node_freedom(node, component))
+    return np.array(T), own
+
+
 def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], reading: DeckReading) -> None:
     """Add constraints: dependent components follow the rigid motion that six independent ones determine.
 
@@ -146,22 +154,12 @@ def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], 
     """
     origin = reading.grids.positions[independent[0][0]]
 
-    def rows(sides: list[Side]) -> tuple[FloatArray, list[Terms]]:
-        T, own = [], []
-        for node, components in sides:
-            arm = reading.grids.positions[node] - origin
-            for component in (int(c) - 1 for c in components):
-                e = reading.grids.axes[node][:, component % 3]
-                T.append([*e, *np.cross(arm, e)] if component < 3 else [0.0, 0.0, 0.0, *e])
-                own.append(reading.node_freedom(node, component))
-        return np.array(T), own
-
-    T_I, u_I = rows(independent)
+    T_I, u_I = _rigid_motions(independent, origin, reading)
     # The negated comparison is also true for NaN.
     if T_I.shape != (6, 6) or not abs(np.linalg.det(T_I)) > 1e-12 * np.prod(np.linalg.norm(T_I, axis=1)):
         reading.leave_out(card, "left out: its independent components do not determine a rigid motion")
         return
-    T_M, u_M = rows(dependent)
+    T_M, u_M = _rigid_motions(dependent, origin, reading)
     weights = T_M @ np.linalg.inv(T_I)
     for own, row in zip(u_M, weights, strict=True):
         terms = list(own)
@@ -333,16 +331,16 @@ def _mean_rows(
     origin = reading.grids.positions[reference]
     nodes = [node for _, _, members in groups for node in members]
     L = float(np.linalg.norm(reading.grids.positions[nodes] - origin, axis=1).mean()) or 1.0
-    S, W, own = [], [], []
-    for weight, components, members in groups:
-        for node in members:
-            arm = reading.grids.positions[node] - origin
-            for component in (int(c) - 1 for c in components):
-                e = reading.grids.axes[node][:, component % 3]
-                S.append([*e, *np.cross(arm, e)] if component < 3 else [0.0, 0.0, 0.0, *e])
-                W.append(weight * (1.0 if component < 3 else L**2))
-                own.append(reading.node_freedom(node, component))
-    S, W = np.array(S), np.array(W)
+    sides = [(node, components) for _, components, members in groups for node in members]
+    S, own = _rigid_motions(sides, origin, reading)
+    W = np.array(
+        [
+            w * (1.0 if c in "123" else L**2)
+            for w, components, members in groups
+            for _ in members
+            for c in components
+        ]
+    )
     scale = np.array([1.0, 1.0, 1.0, L, L, L])
     normal = (S / scale).T @ (W[:, None] * S / scale)
     if (
