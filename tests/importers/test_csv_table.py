@@ -17,7 +17,7 @@ def read(tmp_path):
 
 def test_columns_in_any_order(read):
     table = read("# comment\nb, a\n\n1,x\n2.5e-1,y\n")
-    assert table.words("a") == ("x", "y")
+    assert table.columns["a"] == ("x", "y")
     assert table.numbers("b").tolist() == [1.0, 0.25]
     assert "c" not in table
 

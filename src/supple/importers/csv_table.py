@@ -28,10 +28,6 @@ class CsvTable:
     def __contains__(self, column: str) -> bool:
         return column in self.columns
 
-    def words(self, column: str) -> tuple[str, ...]:
-        """A column as written."""
-        return self.columns[column]
-
     def numbers(self, column: str) -> FloatArray:
         """A column of numbers; ImportFormatError with the line of an entry that is not a number."""
         values = np.empty(len(self.lines))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -41,7 +41,8 @@ def check_mesh(
     _check_cell_node_range(nodes, cells, names)
     _check_repeated_nodes(cells, names)
     _check_orphan_nodes(nodes, cells, links, names)
-    _check_node_sets(nodes, node_sets)
+    for name, members in node_sets.items():
+        _check_members(f"node set '{name}'", members, len(nodes), "nodes")
     _check_cell_sets(cells, cell_sets)
     _check_cell_geometry(nodes, cells, names)
     _check_connected(nodes, cells, links, names)
@@ -151,11 +152,6 @@ def _check_orphan_nodes(
         )
 
 
-def _check_node_sets(nodes: FloatArray, node_sets: Mapping[str, IntArray]) -> None:
-    for name, members in node_sets.items():
-        _check_members(f"node set '{name}'", members, len(nodes), "nodes")
-
-
 def _check_cell_sets(
     cells: Mapping[CellType, IntArray], cell_sets: Mapping[str, Mapping[CellType, IntArray]]
 ) -> None:
@@ -194,13 +190,7 @@ def _check_line_lengths(nodes: FloatArray, lines: IntArray, names: _Names) -> No
     length = np.linalg.norm(nodes[lines[:, 1]] - nodes[lines[:, 0]], axis=1)
     bad = np.flatnonzero(length <= SHORTEST_LINE * np.ptp(nodes, axis=0).max())
     if bad.size:
-        raise CellError(
-            f"{_some('degenerate LINE2 cell', names.cell_ids[kind][bad])}, with (almost) no length; "
-            f"{_cell(nodes, kind, lines, bad[0], names)}; "
-            "move or merge its nodes, or remove it",
-            "LINE2",
-            int(bad[0]),
-        )
+        _refuse(nodes, kind, lines, bad, names, "no length", "move or merge its nodes, or remove it")
 
 
 def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names) -> None:
@@ -213,12 +203,7 @@ def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names)
     )
     bad = np.flatnonzero(twice_area <= FLATTEST_TRIANGLE * longest**2)
     if bad.size:
-        raise CellError(
-            f"{_some('degenerate TRIANGLE3 cell', names.cell_ids[kind][bad])}, with (almost) no area; "
-            f"{_cell(nodes, kind, triangles, bad[0], names)}; move or merge its nodes, or remove it",
-            "TRIANGLE3",
-            int(bad[0]),
-        )
+        _refuse(nodes, kind, triangles, bad, names, "no area", "move or merge its nodes, or remove it")
 
 
 def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, names: _Names) -> None:
@@ -245,13 +230,20 @@ def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, n
         )
     bad = np.flatnonzero(smallest <= FLATTEST_SOLID * extent**3)
     if bad.size:
-        raise CellError(
-            f"{_some(f'degenerate {kind.name} cell', ids[bad])}, with (almost) no volume at an "
-            "integration point; "
-            f"{_cell(nodes, kind, array, bad[0], names)}; move its nodes, or remesh there",
-            kind.name,
-            int(bad[0]),
-        )
+        lacks = "no volume at an integration point"
+        _refuse(nodes, kind, array, bad, names, lacks, "move its nodes, or remesh there")
+
+
+def _refuse(
+    nodes: FloatArray, kind: CellType, array: IntArray, bad: IntArray, names: _Names, lacks: str, remedy: str
+) -> NoReturn:
+    """Raise CellError for degenerate cells."""
+    raise CellError(
+        f"{_some(f'degenerate {kind.name} cell', names.cell_ids[kind][bad])}, with (almost) {lacks}; "
+        f"{_cell(nodes, kind, array, bad[0], names)}; {remedy}",
+        kind.name,
+        int(bad[0]),
+    )
 
 
 def _check_connected(

@@ -264,7 +264,7 @@ def _of_csv(path: Path) -> CaseTable:
 
 
 def _column(read: CsvTable, name: str) -> Sequence[Any]:
-    words = read.words(name)
+    words = read.columns[name]
     given = [word for word in words if word]
     for kind in (plain_integer, number_of_word, _TRUTH.__getitem__):
         try:

@@ -70,7 +70,7 @@ class AbaqusModel:
 
         An unknown word is recorded as a doubt and gives no node.
         """
-        return self._members(scope, word, line, what, "node", self.nodes, self.node_sets)
+        return self._members(scope, word, line, what, "a node")
 
     def paired_nodes_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
         """As `nodes_of`, in the order in which Abaqus pairs the nodes of sets: by id, unless UNSORTED."""
@@ -82,7 +82,7 @@ class AbaqusModel:
 
     def elements_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
         """Numbers of the elements that a word names, in the forms of `nodes_of`."""
-        return self._members(scope, word, line, what, "element", self.element_labels, self.element_sets)
+        return self._members(scope, word, line, what, "an element")
 
     def surface(self, scope: int, name: str) -> DeckSurface | None:
         """The surface of that name; None without one."""
@@ -122,17 +122,10 @@ class AbaqusModel:
         elif len(self.scopes) == 2:
             yield 1, name
 
-    def _members(
-        self,
-        scope: int,
-        word: str,
-        line: int,
-        what: str,
-        member: str,
-        labels: Labels,
-        sets: dict[tuple[int, str], tuple[str, IntArray]],
-    ) -> IntArray:
-        article = "an" if member == "element" else "a"
+    def _members(self, scope: int, word: str, line: int, what: str, kind: str) -> IntArray:
+        of_nodes, member = kind == "a node", kind.split()[1]
+        labels = self.nodes if of_nodes else self.element_labels
+        sets = self.node_sets if of_nodes else self.element_sets
         for place, name in self._meanings(scope, word.strip('"').upper()):
             if (place, name) in sets:
                 return sets[place, name][1]
@@ -149,8 +142,7 @@ class AbaqusModel:
         else:
             self.report.doubt(
                 line,
-                f"{what} names '{word}', neither {article} {member} id nor a set above; define that set "
-                "first",
+                f"{what} names '{word}', neither {kind} id nor a set above; define that set first",
             )
         return np.empty(0, dtype=np.int64)
 

@@ -84,7 +84,8 @@ def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[Scope
             sets.add(scope, block.options.get("NSET", ""), block)
         elif block.key in NODE_KEYWORDS and (block.data or block.key == "NCOPY") and not placed.step:
             system = systems.get(scope, (np.eye(3), np.zeros(3)))
-            known = [] if block.key == "NODE" else [part for part in parts if part[0] == scope]
+            above = [part for part in parts if part[0] == scope and block.key != "NODE"] or parts[:1]
+            known = np.concatenate([part[1] for part in above]), np.concatenate([part[2] for part in above])
             set_of = partial(sets.ids, scope)
             match block.key:
                 case "NODE":
@@ -164,7 +165,7 @@ def _system(file: KeywordFile, block: KeywordBlock) -> System:
 def _generated(
     file: KeywordFile,
     block: KeywordBlock,
-    parts: list[tuple[int, IntArray, FloatArray, IntArray]],
+    known: tuple[IntArray, FloatArray],
     set_of: Callable[[str], IntArray],
     system: System,
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
@@ -178,14 +179,13 @@ def _generated(
             block.line,
             f"*{block.name} of that kind or with a bias is not supported; write the data explicitly",
         )
-    ids = np.concatenate([_NO_IDS, *(part[1] for part in parts)])
-    positions = np.concatenate([np.empty((0, 3)), *(part[2] for part in parts)])
+    ids, positions = known
 
     def places(line: int, wanted: IntArray) -> FloatArray:
-        found, known = positions_of_ids(ids, wanted)
-        if not known.all():
+        found, there = positions_of_ids(ids, wanted)
+        if not there.all():
             raise file.error(
-                line, f"*{block.name} starts from node {wanted[~known][0]}, which is not above it"
+                line, f"*{block.name} starts from node {wanted[~there][0]}, which is not above it"
             )
         return positions[found]
 
@@ -266,7 +266,7 @@ def _arc(
 def _copied(
     file: KeywordFile,
     block: KeywordBlock,
-    parts: list[tuple[int, IntArray, FloatArray, IntArray]],
+    known: tuple[IntArray, FloatArray],
     set_of: Callable[[str], IntArray],
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
     """Nodes of *NCOPY: those of a set, shifted and rotated (MULTIPLE times), or reflected.
@@ -276,11 +276,10 @@ def _copied(
     """
     options, line = block.options, block.line
     old = set_of(options.get("OLDSET", ""))
-    ids = np.concatenate([_NO_IDS, *(part[1] for part in parts)])
-    positions = np.concatenate([np.empty((0, 3)), *(part[2] for part in parts)])
-    place, known = positions_of_ids(ids, old)
+    ids, positions = known
+    place, there = positions_of_ids(ids, old)
     change = options.get("CHANGENUMBER", "")
-    if not len(old) or not known.all() or not is_plain_digits(change):
+    if not len(old) or not there.all() or not is_plain_digits(change):
         raise file.error(line, "*NCOPY takes CHANGE NUMBER and an OLD SET of nodes above it; correct them")
     values = np.array([[*numbers(file, at, fields(text)), *7 * [0.0]][:7] for at, text in block.placed_data])
     values = np.vstack([values.reshape(-1, 7), np.zeros((2, 7))])
@@ -290,8 +289,8 @@ def _copied(
         pivot = values[1, :3]
     elif "POLE" in options:
         node = int(values[0, 0])
-        at, known = positions_of_ids(ids, np.array([node]))
-        if node and not known[0]:
+        at, there = positions_of_ids(ids, np.array([node]))
+        if node and not there[0]:
             raise file.error(line, f"*NCOPY, POLE starts from node {node}, which is not above it")
         pole = positions[at[0]] if node else values[0, 1:4]
         made = old + int(change)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -59,65 +59,57 @@ _READ = frozenset(
 )
 _CELLS = (*SOLID_CARDS, *SHELL_CARDS, *BEAM_CARDS, *ROD_CARDS)
 
-# Description, or effect of the omission, of cards that are not read.
-CELLS_NOT_READ = {
-    "CBEAM3": "curved beams of three grids",
-    "CTRIAX": "axisymmetric solids",
-    "CTRIAX6": "axisymmetric solids",
-    "CQUADX": "axisymmetric solids",
-    "CTRAX3": "axisymmetric solids",
-    "CTRAX6": "axisymmetric solids",
-    "CQUADX4": "axisymmetric solids",
-    "CQUADX8": "axisymmetric solids",
-    "CCONEAX": "axisymmetric shells",
-    "CRAC2D": "elements at the tip of a crack",
-    "CRAC3D": "elements at the tip of a crack",
-    "CSUPER": "a superelement from a file or an image of another",
-}
-CONNECTIONS_NOT_READ = {
-    "CGAP": "gaps that open and close: the parts they join are not connected",
-    "CFAST": "fasteners between shells: the parts they join are not connected",
-    "CWELD": "spot welds: the parts they join are not connected",
-    "CSEAM": "seam welds: the parts they join are not connected",
-    "BGSET": "glue between surfaces: the parts it joins are not connected",
-    "BCTABLE": "glue between contact bodies (IGLUE): the parts it joins are not connected",
-    "BCONPRG": "glue between contact bodies (IGLUE): the parts it joins are not connected",
-    "CYSYM": "cyclic symmetry: one sector is read, not the whole body",
-    "CYJOIN": "sides of a sector of a cyclic body: its sectors are not connected",
-    "CYAX": "grids on the axis of a cyclic body: its sectors are not connected",
-}
-_MEANINGS = {
-    **CELLS_NOT_READ,
-    **CONNECTIONS_NOT_READ,
-    "PGAP": "properties of gaps",
-    "PFAST": "properties of fasteners",
-    "PWELD": "properties of spot welds",
-    "PSEAM": "properties of seam welds",
-    "BGADD": "a choice of glued surfaces",
-    "GENEL": "an element by its matrix",
-    "RSPLINE": "an interpolation between grids",
-    "RSSCON": "a connection of shell and solid",
-    "PBRSECT": "a section by its outline: its beams are left out, too",
-    "PBMSECT": "a section by its outline: its beams are left out, too",
-    "PBCOMP": "a section of several materials: its beams are left out, too",
-    "PLSOLID": "solids of large strain: their elements are left out, too",
-    "MAT3": "an axisymmetric material",
-    "MATHE": "a rubber",
-    "MATHP": "a rubber",
-    "MATS1": "stress that is not proportional to strain: the material stays elastic",
-    "PELAST": "values of springs that depend on frequency or are not linear: those of PELAS are read",
-    "PDAMPT": "values of dampers that depend on frequency: those of PDAMP are read",
-    "PBUSHT": "values of bushings that depend on frequency or are not linear: those of PBUSH are read",
-    "FEEDGE": "curved edges: elements stay straight",
-    "FEFACE": "curved faces: elements stay flat",
-    "GMCURV": "curves of geometry: elements stay straight",
-    "GMSURF": "surfaces of geometry: elements stay flat",
-    "GMBC": "supports of geometry",
-    "GMSPC": "supports of geometry",
-    "RELEASE": "freedoms in which a superelement is not joined to the others",
-    "MPCAX": "constraints of an axisymmetric model",
-    "ROTORD": "a rotating part",
-}
+
+def _by_card(meanings: Mapping[str, str]) -> dict[str, str]:
+    return {name: meaning for meaning, names in meanings.items() for name in names.split()}
+
+
+# Cards that are not read, by their description or the effect of their omission.
+CELLS_NOT_READ = _by_card({
+    "curved beams of three grids": "CBEAM3",
+    "axisymmetric solids": "CTRIAX CTRIAX6 CQUADX CTRAX3 CTRAX6 CQUADX4 CQUADX8",
+    "axisymmetric shells": "CCONEAX",
+    "elements at the tip of a crack": "CRAC2D CRAC3D",
+    "a superelement from a file or an image of another": "CSUPER",
+})  # fmt: skip
+CONNECTIONS_NOT_READ = _by_card({
+    "gaps that open and close: the parts they join are not connected": "CGAP",
+    "fasteners between shells: the parts they join are not connected": "CFAST",
+    "spot welds: the parts they join are not connected": "CWELD",
+    "seam welds: the parts they join are not connected": "CSEAM",
+    "glue between surfaces: the parts it joins are not connected": "BGSET",
+    "glue between contact bodies (IGLUE): the parts it joins are not connected": "BCTABLE BCONPRG",
+    "cyclic symmetry: one sector is read, not the whole body": "CYSYM",
+    "sides of a sector of a cyclic body: its sectors are not connected": "CYJOIN",
+    "grids on the axis of a cyclic body: its sectors are not connected": "CYAX",
+})  # fmt: skip
+_MEANINGS = CELLS_NOT_READ | CONNECTIONS_NOT_READ | _by_card({
+    "properties of gaps": "PGAP",
+    "properties of fasteners": "PFAST",
+    "properties of spot welds": "PWELD",
+    "properties of seam welds": "PSEAM",
+    "a choice of glued surfaces": "BGADD",
+    "an element by its matrix": "GENEL",
+    "an interpolation between grids": "RSPLINE",
+    "a connection of shell and solid": "RSSCON",
+    "a section by its outline: its beams are left out, too": "PBRSECT PBMSECT",
+    "a section of several materials: its beams are left out, too": "PBCOMP",
+    "solids of large strain: their elements are left out, too": "PLSOLID",
+    "an axisymmetric material": "MAT3",
+    "a rubber": "MATHE MATHP",
+    "stress that is not proportional to strain: the material stays elastic": "MATS1",
+    "values of springs that depend on frequency or are not linear: those of PELAS are read": "PELAST",
+    "values of dampers that depend on frequency: those of PDAMP are read": "PDAMPT",
+    "values of bushings that depend on frequency or are not linear: those of PBUSH are read": "PBUSHT",
+    "curved edges: elements stay straight": "FEEDGE",
+    "curved faces: elements stay flat": "FEFACE",
+    "curves of geometry: elements stay straight": "GMCURV",
+    "surfaces of geometry: elements stay flat": "GMSURF",
+    "supports of geometry": "GMBC GMSPC",
+    "freedoms in which a superelement is not joined to the others": "RELEASE",
+    "constraints of an axisymmetric model": "MPCAX",
+    "a rotating part": "ROTORD",
+})  # fmt: skip
 _PROPERTIES = frozenset(
     (
         *("PGAP", "PFAST", "PWELD", "PSEAM", "PBRSECT", "PBMSECT", "PBCOMP", "PLSOLID", "PLPLANE", "PPLANE"),

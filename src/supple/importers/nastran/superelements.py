@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -37,14 +37,6 @@ def superelement_name(number: int) -> str:
     return f"super_{number}"
 
 
-@dataclass(frozen=True, eq=False)
-class _Search:
-    """Search for the common grids of a superelement: METHOD and TOL of SEBULK."""
-
-    automatic: bool = True
-    tolerance: float = _TOLERANCE
-
-
 def assembled(main: Deck, parts: Mapping[int, Deck], file: BulkFile, grids: GridPoints) -> Deck:
     """The deck of a file with its parts joined at common grids; each part is also a deck in `superelements`.
 
@@ -53,8 +45,11 @@ def assembled(main: Deck, parts: Mapping[int, Deck], file: BulkFile, grids: Grid
     left: list[LeftOut] = []
     decks = {0: main, **_images(parts, file, left)}
     placed = {n: _placed(deck, n, file, grids, left) for n, deck in decks.items()}
-    search = {card.integer(0, "the superelement"): _search(card) for card in file.named("SEBULK")}
-    common = _by_place(placed, search, file, left) + _by_hand(placed, search, file, left)
+    tolerance = {
+        card.integer(0, "the superelement"): card.real(4, "the tolerance", _TOLERANCE)
+        for card in file.named("SEBULK")
+    }
+    common = _by_place(placed, tolerance, file, left) + _by_hand(placed, tolerance, file, left)
     lumped = {deck.lumped_mass for n, deck in placed.items() if n or deck.elements}
     if len(lumped) > 1:
         left.append(LeftOut("PARAM", 1, 0, "COUPMASS of some superelements: the mass of all is lumped"))
@@ -173,20 +168,17 @@ def _numbers(deck: Deck, ids: IntArray, card: BulkCard, number: int) -> IntArray
     return at
 
 
-def _search(card: BulkCard) -> _Search:
-    return _Search(card.word(3) != "MANUAL", card.real(4, "the tolerance", _TOLERANCE))
-
-
 def _by_place(
-    decks: Mapping[int, Deck], search: Mapping[int, _Search], file: BulkFile, left: list[LeftOut]
+    decks: Mapping[int, Deck], tolerances: Mapping[int, float], file: BulkFile, left: list[LeftOut]
 ) -> list[CommonNodes]:
     """Coincident grids of each two superelements, without superelements that are joined manually (METHOD)."""
-    numbers = [n for n in decks if search.get(n, _Search()).automatic and len(decks[n].nodes)]
+    method = {card.integer(0, "the superelement"): card.word(3) for card in file.named("SEBULK")}
+    numbers = [n for n in decks if method.get(n) != "MANUAL" and len(decks[n].nodes)]
     used = {n: np.flatnonzero(used_nodes(decks[n])) for n in numbers}
     found = []
     for k, a in enumerate(numbers):
         for b in numbers[k + 1 :]:
-            tolerance = max(search.get(n, _Search()).tolerance for n in (a, b))
+            tolerance = max(tolerances.get(n, _TOLERANCE) for n in (a, b))
             nodes = [_boundary(decks[n], used[n], n, other, file) for n, other in ((a, b), (b, a))]
             pairs = _pairs(decks[a].nodes[nodes[0]], decks[b].nodes[nodes[1]], tolerance)
             single = [np.bincount(side, minlength=1)[side] == 1 for side in pairs.T]
@@ -240,7 +232,7 @@ def _pairs(first: FloatArray, second: FloatArray, tolerance: float) -> IntArray:
 
 
 def _by_hand(
-    decks: Mapping[int, Deck], search: Mapping[int, _Search], file: BulkFile, left: list[LeftOut]
+    decks: Mapping[int, Deck], tolerances: Mapping[int, float], file: BulkFile, left: list[LeftOut]
 ) -> list[CommonNodes]:
     """SECONCT: SEIDA SEIDB TOL LOC, and pairs of grids on its further rows."""
     found = []
@@ -249,7 +241,7 @@ def _by_hand(
         missing = [n for n in (a, b) if n not in decks]
         if missing:
             raise card.error(f"names superelement {missing[0]}, which the file does not define; add it")
-        default = max(search.get(n, _Search()).tolerance for n in (a, b))
+        default = max(tolerances.get(n, _TOLERANCE) for n in (a, b))
         tolerance = card.real(2, "the tolerance", default)
         ids = _connected(card)
         one, other = (_numbers(decks[n], of, card, n) for n, of in ((a, ids[:, 0]), (b, ids[:, 1])))

@@ -26,7 +26,7 @@ def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversab
     """
     table = read_csv_table(path, required=("radius_m", "chord_m", "twist_deg", "polar"))
     folder = Path(polars) if isinstance(polars, str) else polars
-    names = table.words("polar")
+    names = table.columns["polar"]
     files = {name: named_csv_file(folder, name, table, row, "polar") for row, name in enumerate(names)}
     known = {name: read_polar(file, name=name) for name, file in files.items()}
     return Rotor(

@@ -39,16 +39,13 @@ def read_stations(path: str | Path | Traversable, *, sections: str | Path | Trav
         optional=("trailing_edge", "prebend_m", "sweep_m"),
     )
     folder = Path(sections) if isinstance(sections, str) else sections
-    names = table.words("section")
-    edges = table.words("trailing_edge") if "trailing_edge" in table else ("sharp",) * len(names)
-    known = {
-        (name, edge): _read_section(table, row, folder)
-        for row, (name, edge) in reversed(list(enumerate(zip(names, edges, strict=True))))
-    }
+    names = table.columns["section"]
+    pairs = list(zip(names, table.columns.get("trailing_edge", ("sharp",) * len(names)), strict=True))
+    known = {pair: _read_section(table, row, folder, *pair) for row, pair in reversed(list(enumerate(pairs)))}
     try:
         return BladeStations(
             span=table.numbers("span_m"),
-            sections=tuple(known[pair] for pair in zip(names, edges, strict=True)),
+            sections=tuple(known[pair] for pair in pairs),
             chord=table.numbers("chord_m"),
             twist=np.radians(table.numbers("twist_deg")),
             pitch_axis=table.numbers("pitch_axis_x_over_c"),
@@ -59,9 +56,9 @@ def read_stations(path: str | Path | Traversable, *, sections: str | Path | Trav
         raise MeshError(f"{table.path}: {error}") from error
 
 
-def _read_section(table: CsvTable, row: int, folder: Path | Traversable) -> AirfoilSection:
-    name = table.words("section")[row]
-    edge = table.words("trailing_edge")[row] if "trailing_edge" in table else "sharp"
+def _read_section(
+    table: CsvTable, row: int, folder: Path | Traversable, name: str, edge: str
+) -> AirfoilSection:
     if edge not in _TRAILING_EDGES:
         raise ImportFormatError(
             f"{table.path}, line {table.lines[row]}: trailing edge '{edge}'; write one of "
