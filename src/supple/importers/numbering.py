@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
 from supple.arrays import BoolArray, IntArray
@@ -28,3 +30,29 @@ def first_repeated(ids: IntArray) -> int | None:
     order = np.argsort(ids, kind="stable")
     again = np.flatnonzero(ids[order][1:] == ids[order][:-1])
     return int(order[1:][again].min()) if again.size else None
+
+
+@dataclass(frozen=True, eq=False)
+class Labels:
+    """Scopes and ids of items; ids are unique within a scope."""
+
+    scopes: IntArray
+    ids: IntArray
+    _sorted: dict[int, tuple[IntArray, IntArray]] = field(default_factory=dict)
+
+    def numbers(self, scope: int, ids: IntArray) -> tuple[IntArray, BoolArray]:
+        """Numbers of ids in a scope, and a mask of the ids that exist; only these have a valid number."""
+        # Ids are looked up line by line, so they are sorted once.
+        if scope not in self._sorted:
+            mine = self.of(scope)
+            mine = mine[np.argsort(self.ids[mine], kind="stable")]
+            self._sorted[scope] = mine, self.ids[mine]
+        mine, known = self._sorted[scope]
+        if not len(mine):
+            return np.zeros(ids.shape, dtype=np.int64), np.zeros(ids.shape, dtype=bool)
+        place = np.minimum(np.searchsorted(known, ids), len(known) - 1)
+        return mine[place], known[place] == ids
+
+    def of(self, scope: int) -> IntArray:
+        """Numbers of all items in a scope."""
+        return np.flatnonzero(self.scopes == scope)

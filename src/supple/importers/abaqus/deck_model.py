@@ -11,12 +11,19 @@ from numpy.typing import NDArray
 from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import ImportFormatError
 from supple.importers.abaqus.assembly import Scope, ScopedBlock, scoped_blocks
-from supple.importers.abaqus.element_types import ElementType, Family, all_faces, element_type, face_nodes
+from supple.importers.abaqus.element_types import (
+    ElementBlock,
+    ElementType,
+    Family,
+    all_faces,
+    element_type,
+    face_nodes,
+)
 from supple.importers.abaqus.generated_elements import copied_elements, generated_elements
-from supple.importers.abaqus.keyword_elements import ElementBlock, Labels
 from supple.importers.abaqus.nodes import NODE_KEYWORDS, each_once, plain_ids, read_nodes
 from supple.importers.abaqus.report import Report
 from supple.importers.keyword_file import IntegerRows, KeywordBlock, KeywordFile, fields, integers
+from supple.importers.numbering import Labels
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
 

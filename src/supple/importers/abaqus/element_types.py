@@ -96,6 +96,32 @@ def element_type(name: str) -> ElementType:
     return ElementType(name, Family.UNKNOWN, 0)
 
 
+@dataclass(frozen=True, eq=False)
+class ElementBlock:
+    """Elements of one keyword.
+
+    first : number of its first element in the file;  ids : (E,);  nodes : (E, n) node numbers
+    lines : (E,) indices of `KeywordFile.lines`;  set_name : the set of ELSET or NEW SET
+    axis_nodes : (E,) for beams, a node towards which their first axis points; None if not given
+    master : id of an element above it that is in its set as well; None without one
+    """
+
+    type: ElementType
+    scope: int
+    first: int
+    ids: IntArray
+    nodes: IntArray
+    lines: IntArray
+    set_name: str | None = None
+    axis_nodes: IntArray | None = None
+    master: int | None = None
+
+    @property
+    def numbers(self) -> IntArray:
+        """Numbers (E,) of the elements among all elements of the file."""
+        return self.first + np.arange(len(self.ids))
+
+
 def cells_of(
     kind: ElementType, nodes: IntArray, positions: FloatArray
 ) -> Iterator[tuple[CellType, IntArray, IntArray]]:

@@ -8,10 +8,10 @@ import numpy as np
 
 from supple.arrays import IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
-from supple.importers.abaqus.element_types import CELLS, ElementType, Family
-from supple.importers.abaqus.keyword_elements import ElementBlock, Labels
+from supple.importers.abaqus.element_types import CELLS, ElementBlock, ElementType, Family
 from supple.importers.abaqus.nodes import most_generated
 from supple.importers.keyword_file import KeywordFile, fields
+from supple.importers.numbering import Labels
 from supple.importers.plain_number import is_plain_digits, plain_integer
 from supple.mesh import CellType
 from supple.mesh.reference_cell import mirrored_order

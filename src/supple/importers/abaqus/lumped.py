@@ -10,9 +10,8 @@ import numpy as np
 from supple.arrays import FloatArray, IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.deck_model import AbaqusModel
-from supple.importers.abaqus.element_types import Family
+from supple.importers.abaqus.element_types import ElementBlock, Family
 from supple.importers.abaqus.freedoms import Freedoms
-from supple.importers.abaqus.keyword_elements import ElementBlock
 from supple.importers.abaqus.orientation import Orientations, nodal_axes
 from supple.importers.deck import NodalMatrix, ScalarTerms
 from supple.importers.freedom_sums import FreedomSums, motion_along, relative_motion

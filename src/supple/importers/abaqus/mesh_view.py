@@ -10,8 +10,7 @@ import numpy as np
 from supple.arguments import checked_arguments
 from supple.arrays import IntArray
 from supple.importers.abaqus.deck_model import read_model
-from supple.importers.abaqus.element_types import Family, cells_of, element_type
-from supple.importers.abaqus.keyword_elements import ElementBlock
+from supple.importers.abaqus.element_types import ElementBlock, Family, cells_of, element_type
 from supple.importers.abaqus.public_names import public_ids, public_sets
 from supple.importers.file_mesh import FileMesh, UnusedNodes, joined
 from supple.importers.keyword_file import KeywordFile, read_keyword_file

@@ -9,7 +9,7 @@ import numpy as np
 
 from supple.arrays import IntArray
 from supple.importers.abaqus.deck_model import AbaqusModel
-from supple.importers.abaqus.keyword_elements import Labels
+from supple.importers.numbering import Labels
 
 
 @dataclass(frozen=True, eq=False)

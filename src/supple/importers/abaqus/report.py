@@ -6,7 +6,7 @@ from collections import Counter
 
 from supple.arrays import IntArray
 from supple.errors import ImportFormatError
-from supple.importers.abaqus.keyword_elements import ElementBlock
+from supple.importers.abaqus.element_types import ElementBlock
 from supple.importers.deck import LeftOut
 from supple.importers.keyword_file import KeywordBlock, KeywordFile
 

@@ -12,8 +12,7 @@ from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.beam_sections import SectionOfBeams, read_beam_section
 from supple.importers.abaqus.deck_model import AbaqusModel
-from supple.importers.abaqus.element_types import CELL_FAMILIES, Family, cells_of
-from supple.importers.abaqus.keyword_elements import ElementBlock
+from supple.importers.abaqus.element_types import CELL_FAMILIES, ElementBlock, Family, cells_of
 from supple.importers.abaqus.materials import DeckMaterial, read_materials
 from supple.importers.abaqus.orientation import Orientation, Orientations, orientation_of
 from supple.importers.abaqus.public_names import PublicIds, public_name

@@ -96,7 +96,7 @@ def _pbend(
     card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float
 ) -> BeamProperty | str:
     """A curved beam given by A I1 I2 J .. K1 K2 NSM, or a pipe by FSI, mean radius RM, thickness T .. NSM."""
-    geometry, offsets = None, 19
+    offsets = 19
     if card.word(2) in _PIPES:
         middle, t = card.real(3, "the mean radius RM"), card.real(4, "the thickness T")
         if card.word(2) != "1":
@@ -106,17 +106,17 @@ def _pbend(
         section = SHAPES["TUBE"].values(middle + t / 2, middle - t / 2) if 0 <= t <= 2 * middle else None
         if section is None:
             return f"its mean radius RM = {middle:g} and thickness T = {t:g} do not make a pipe"
-        area, I1, I2, J, K1, K2 = section.area, section.I1, section.I2, section.J, section.K1, section.K2
-        nsm, geometry, offsets = card.real(10, "NSM", 0.0), section.geometry, 11
+        values, nsm, offsets = section.beam_values(material.density), card.real(10, "NSM", 0.0), 11
     else:
         area, I1, I2, J = (card.real(2 + i, what, 0.0) for i, what in enumerate(("A", "I1", "I2", "J")))
         geometry = _points([card.real(8 + i, w, 0.0) for i, w in enumerate(_POINTS)], card.fields[8:16])
         K1, K2, nsm = (card.real(16 + i, what, 0.0) for i, what in enumerate(("K1", "K2", "NSM")))
+        values = BeamValues(area, I1, I2, J, K1, K2, material.density * area, geometry=geometry)
     names = ("RC", "ZC") if offsets == 11 else ("RC", "ZC", "DELTAN")
     if any(card.real(offsets + i, what, 0.0) for i, what in enumerate(names)):
         reading.leave_out(card, f"the offsets {', '.join(names)} of a curved beam are not read")
-    mass = material.density * area + (nsm + added) * reading.mass_factor
-    return BeamProperty(material, BeamValues(area, I1, I2, J, K1, K2, mass, geometry=geometry))
+    mass = values.mass_per_length + (nsm + added) * reading.mass_factor
+    return BeamProperty(material, replace(values, mass_per_length=mass))
 
 
 def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float) -> BeamProperty:
@@ -140,28 +140,18 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, ad
     if (last[2] and K1) or (last[3] and K2):
         reading.leave_out(card, "the shear relief S1, S2 of its taper is not read")
 
-    def pair(place: int) -> tuple[list[float], list[float]]:
-        """Value at A and value at B, each in a list; if the field of B is blank, B has the value of A."""
-        first = last[place] or 0.0
-        second = last[place + 1]
-        return [first], [first if second is None else second]
+    def ends(a: int, b: int) -> tuple[float, float]:
+        """Value at A and value at B; if the field of B is blank, B has the value of A."""
+        first, second = last[a] or 0.0, last[b]
+        return first, first if second is None else second
 
-    (nsi_a,), (nsi_b,) = pair(4)
-    offsets = []
-    for place in (8, 12):
-        a = (last[place] or 0.0, last[place + 1] or 0.0)
-        b = tuple(a[i] if last[place + 2 + i] is None else last[place + 2 + i] or 0.0 for i in range(2))
-        offsets.append((a, (b[0], b[1])))
-    (m_a, m_b), (n_a, n_b) = offsets
+    nsi, m1, m2, n1, n2 = (ends(a, b) for a, b in ((4, 5), (8, 10), (9, 11), (12, 14), (13, 15)))
     first, second = (
         replace(
-            _values(values, (K1, K2), nsi, m, n, material, reading, added),
-            geometry=_points([_number(card, word, 0.0) for word in points], points) if any(points) else None,
+            _values(values, (K1, K2), nsi[i], (m1[i], m2[i]), (n1[i], n2[i]), material, reading, added),
+            geometry=_points([_number(card, word, 0.0) for word in points], points),
         )
-        for values, nsi, m, n, points in (
-            (at_a, nsi_a, m_a, n_a, points_a),
-            (at_b, nsi_b, m_b, n_b, points_b),
-        )
+        for i, (values, points) in enumerate(((at_a, points_a), (at_b, points_b)))
     )
     return BeamProperty(material, first, None if first == second else second)
 
