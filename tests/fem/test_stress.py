@@ -22,7 +22,7 @@ from supple.fem import (
     von_mises_strain,
 )
 from supple.mesh import CellType, Mesh, block, plate
-from supple.mesh.shell_sides import turned_over
+from supple.mesh.facet_curvature import turned_over
 
 SOLIDS = (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20)
 

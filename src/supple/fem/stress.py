@@ -29,7 +29,7 @@ from supple.fem.section_stress import (
 )
 from supple.fem.shell_section import LaminateSection
 from supple.mesh import CellType
-from supple.mesh.shell_sides import turned_over
+from supple.mesh.facet_curvature import turned_over
 
 __all__ = [
     "StressLayers",

@@ -2,7 +2,6 @@
 
 from supple.importers.abaqus.mesh_view import *
 from supple.importers.ansys import *
-from supple.importers.deck_file import *
 from supple.importers.exodus import *
 from supple.importers.file_mesh import *
 from supple.importers.gmsh import *
@@ -20,7 +19,6 @@ from supple.importers.section_file import *
 from supple.importers.section_table import *
 from supple.importers.turbine.beamdyn import *
 from supple.importers.turbine.nrel5mw import *
-from supple.importers.turbine.rotor_table import *
 from supple.importers.turbine.station_table import *
 from supple.importers.turbine.windio import *
 from supple.importers.turbine.windio_sections import *

@@ -1,4 +1,4 @@
-"""Mesh files: the reader is selected by the suffix."""
+"""Mesh files and decks: the reader is selected by the suffix."""
 
 from __future__ import annotations
 
@@ -6,16 +6,19 @@ from pathlib import Path
 
 from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
+from supple.importers.abaqus.abaqus_deck import read_abaqus_deck
 from supple.importers.abaqus.mesh_view import read_abaqus
 from supple.importers.ansys import read_ansys
+from supple.importers.deck import Deck
 from supple.importers.exodus import EXODUS_SUFFIXES, read_exodus
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh import read_gmsh
+from supple.importers.nastran.deck_file import read_nastran_deck
 from supple.importers.nastran.mesh_view import NASTRAN_SUFFIXES, read_nastran
 from supple.importers.vtu import read_vtu
 from supple.mesh import Mesh
 
-__all__ = ["MESH_SUFFIXES", "read_mesh"]
+__all__ = ["DECK_SUFFIXES", "MESH_SUFFIXES", "read_deck", "read_mesh"]
 
 READERS = {
     ".inp": read_abaqus,
@@ -56,3 +59,16 @@ def read_mesh(
             "convert other formats (.unv, .med, .vtk, ..)"
         )
     return reader(path, only=only, unused_nodes=unused_nodes)
+
+
+_DECK_READERS = {".inp": read_abaqus_deck} | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran_deck)
+
+DECK_SUFFIXES = tuple(_DECK_READERS)
+
+
+def read_deck(path: str | Path) -> Deck:
+    """The finite-element model in a file; ImportFormatError lists the supported suffixes."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in _DECK_READERS:
+        raise ImportFormatError(f"{path}: not a deck file; give one that ends in {', '.join(DECK_SUFFIXES)}")
+    return _DECK_READERS[suffix](path)

@@ -1,8 +1,10 @@
-"""Curvature of the surface represented by a mesh of triangles, at each triangle, from its neighbours."""
+"""Curvature and sides of the surface represented by a mesh of triangles, from neighbouring triangles."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from supple.arrays import BoolArray, FloatArray, IntArray
 
@@ -42,9 +44,7 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREA
     float array (E, 3, 3)           1/m, symmetric, in the plane of each triangle; z along its normal
     """
     corners = nodes[triangles]
-    first = corners[:, 1] - corners[:, 0]
-    normal = np.cross(first, corners[:, 2] - corners[:, 0])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    first, normal = corners[:, 1] - corners[:, 0], _normals(corners)
     across = sides_across(triangles, normal, crease)
     beside = np.where(across >= 0, across // 3, np.arange(len(across))[:, None])
     bent, folded, edges = _bends(normal, beside)
@@ -85,6 +85,12 @@ def sides_across(triangles: IntArray, normals: FloatArray, crease: float) -> Int
             across[side[closer]], best[side[closer]] = other[closer], cosine[closer]
     mutual = (across >= 0) & (across[across] == np.arange(edge.size))
     return np.where(mutual, across, -1).reshape(-1, 3)
+
+
+def _normals(corners: FloatArray) -> FloatArray:
+    """Unit normals (E, 3) of triangles with these corners (E, 3, 3)."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
 
 def _nodes_across(triangles: IntArray, across: IntArray) -> IntArray:
@@ -153,3 +159,36 @@ def _smallest_fit(rows: FloatArray, wanted: FloatArray, weight: FloatArray) -> t
     squares = (weight * wanted**2).sum(axis=1)
     fitted = (values * right).sum(axis=1)
     return values, np.divide(fitted, squares, out=np.zeros_like(squares), where=squares > 0)
+
+
+SMOOTH = np.radians(60.0)
+"""Largest angle between neighbours of one wall; plates that meet at a larger angle are separate walls."""
+
+
+def turned_over(nodes: FloatArray, triangles: IntArray, *, crease: float = SMOOTH) -> BoolArray:
+    """Whether the normal of each triangle (E,) points to the other side than most normals of its wall.
+
+    A wall is a set of triangles that meet at smooth edges. If equally many normals point to both sides, the
+    first triangle determines the side. In a wall with one side, such as a Moebius strip, none is turned over.
+
+    nodes : float array (N, 3)
+    triangles : int array (E, 3)    with an area
+    crease : float                  largest angle between neighbours of one wall, rad
+    """
+    across = sides_across(triangles, _normals(nodes[triangles]), crease).ravel()
+    side = np.flatnonzero(across >= 0)
+    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    # Triangles of equal orientation run along their common edge in opposite directions.
+    alike = start[side] == end[across[side]]
+    if alike.all():
+        return np.zeros(len(triangles), dtype=bool)
+    # Each triangle is in the graph twice, as it is and turned over; what is connected has one orientation.
+    n, own, other = len(triangles), side // 3, across[side] // 3
+    rows, columns = np.concatenate([own, own + n]), np.concatenate([other + n * ~alike, other + n * alike])
+    graph = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(2 * n, 2 * n))
+    _, labels = connected_components(graph, directed=False)
+    as_is, over = labels[:n], labels[n:]
+    wall, turned = np.minimum(as_is, over), as_is > over
+    number = np.bincount(wall, minlength=2 * n)
+    most_are = np.bincount(wall, turned, minlength=2 * n) > number / 2
+    return (turned != most_are[wall]) & (as_is != over)

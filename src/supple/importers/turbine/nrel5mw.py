@@ -5,8 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 
 from supple.aero import Rotor
-from supple.importers.turbine.rotor_table import read_rotor
-from supple.importers.turbine.station_table import read_stations
+from supple.importers.turbine.station_table import read_rotor, read_stations
 from supple.mesh import BladeGrid, BladeStations, ShearWebs
 
 __all__ = ["NREL5MW_WEBS", "WU2019_GRID", "nrel5mw_rotor", "nrel5mw_stations"]

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from supple.equations.compiler_options import STARTING
-from supple.mesh.shell_sides import turned_over
+from supple.mesh.facet_curvature import turned_over
 from supple.programs.program_cache import CachedProgram
 
 __all__ = [
