@@ -29,9 +29,13 @@ LARGEST_MISS = 0.1
 HELD = "interface relative to which mass damping acts, whatever the frame; default: the body's frame"
 
 
-class _RatioOfTwoModes(CheckedTable):
-    """The same damping ratio on two modes of the body."""
+class RayleighRatio(CheckedTable):
+    """Rayleigh damping with the same damping ratio on two modes of the body, before its reduction.
 
+    `rayleigh-ratio` damps the strain rate, `linear-rayleigh-ratio` by the stiffness of the undeformed body.
+    """
+
+    kind: Literal["rayleigh-ratio", "linear-rayleigh-ratio"]
     ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
     modes: Annotated[tuple[int, int], Field(strict=False)] = Field((1, 2), description="mode numbers from 1")
     held: str | None = Field(
@@ -40,31 +44,13 @@ class _RatioOfTwoModes(CheckedTable):
         "the body's frame",
     )
 
-    def _fitted(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
+    def build(self, body: FlexibleBody, frame: Frame) -> RayleighDamping | LinearRayleighDamping:
+        """Damping of a body, from the frequencies of the body before reduction."""
         constraint = (NodalFixedFrame(self.held) if self.held else frame).constraint(body)
         known = body.lowest_frequencies(max(self.modes), constraint)
         first, second = (float(known[mode - 1]) for mode in self.modes)
-        return replace(rayleigh_from_ratios(self.ratio, first, second), held=self.held)
-
-
-class RayleighRatio(_RatioOfTwoModes):
-    """Rayleigh damping of the strain rate, with the same damping ratio on two modes of the body."""
-
-    kind: Literal["rayleigh-ratio"]
-
-    def build(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
-        """Damping of a body, from the frequencies of the body before reduction."""
-        return self._fitted(body, frame)
-
-
-class LinearRayleighRatio(_RatioOfTwoModes):
-    """Rayleigh damping by the stiffness of the undeformed body, with the same ratio on two modes."""
-
-    kind: Literal["linear-rayleigh-ratio"]
-
-    def build(self, body: FlexibleBody, frame: Frame) -> LinearRayleighDamping:
-        """Damping of a body, from the frequencies of the body before reduction."""
-        return self._fitted(body, frame).linearized()
+        fitted = replace(rayleigh_from_ratios(self.ratio, first, second), held=self.held)
+        return fitted if self.kind == "rayleigh-ratio" else fitted.linearized()
 
 
 _OF_MASS_AND_STIFFNESS: dict[str, Any] = {
@@ -98,14 +84,12 @@ class Modal(
     """The same damping ratio on all modes of a reduced body, or on the lowest modes of a body."""
 
 
-Damping = Annotated[
-    RayleighRatio | Rayleigh | LinearRayleighRatio | LinearRayleigh | Modal, Field(discriminator="kind")
-]
+Damping = Annotated[RayleighRatio | Rayleigh | LinearRayleigh | Modal, Field(discriminator="kind")]
 
 
 def warn_of_ratios(given: Damping | None, body: ReducedBody) -> None:
     """Issue SuppleWarning if modes clamped at an interface have another damping ratio than specified."""
-    if isinstance(given, _RatioOfTwoModes):
+    if isinstance(given, RayleighRatio):
         modes = given.modes
     elif isinstance(given, Modal):
         modes = (1, 2)[: given.modes]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from supple.body import FlexibleBody, connection_named
 from supple.cases.bodies import Body, NodalFixed
 from supple.cases.case_tables import CaseTables
-from supple.cases.damping import LinearRayleigh, LinearRayleighRatio, Rayleigh, RayleighRatio
+from supple.cases.damping import LinearRayleigh, Rayleigh, RayleighRatio
 from supple.cases.interfaces import InterfaceTable
 from supple.cases.joints import JointTable
 from supple.cases.loads import Force
@@ -124,11 +124,11 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
     Warns SuppleWarning if mass damping acts relative to the frame of each part instead of the body's.
     """
     damping = body.damping
-    if isinstance(damping, RayleighRatio | LinearRayleighRatio):
+    if isinstance(damping, RayleighRatio):
         assert body.frame is not None  # a rule of the case file
         made = damping.build(whole, body.frame.build())
         numbers = {"alpha": made.alpha, "beta": made.beta, "held": None}
-        if isinstance(damping, RayleighRatio):
+        if damping.kind == "rayleigh-ratio":
             damping = Rayleigh(kind="rayleigh", **numbers)
         else:
             damping = LinearRayleigh(kind="linear-rayleigh", **numbers)

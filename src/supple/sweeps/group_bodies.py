@@ -13,7 +13,7 @@ from supple.body import Damping, LinearRayleighDamping, RayleighDamping
 from supple.cases.bodies import Body
 from supple.cases.case import Case
 from supple.cases.case_inputs import digests_of_files
-from supple.cases.damping import LinearRayleighRatio, RayleighRatio
+from supple.cases.damping import RayleighRatio
 from supple.cases.reductions import FullOrder
 from supple.cases.static_case import starting_system
 from supple.cases.table import named_in
@@ -64,12 +64,12 @@ class GroupBodies:
     def damping(self, name: str, table: Body) -> Damping | None:
         """The damping of a body in a case; None without damping."""
         given: Any = table.damping
-        if not isinstance(given, RayleighRatio | LinearRayleighRatio):
+        if not isinstance(given, RayleighRatio):
             return None if given is None else given.build()
         like: Any = self.tables[name].damping
         share = given.ratio / like.ratio if like.ratio else 0.0
         alpha, beta = (share * factor for factor in self.rayleigh[name])
-        kind = RayleighDamping if isinstance(given, RayleighRatio) else LinearRayleighDamping
+        kind = RayleighDamping if given.kind == "rayleigh-ratio" else LinearRayleighDamping
         return kind(alpha, beta, given.held)
 
 
