@@ -188,29 +188,23 @@ def _keys_have_an_effect(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that keys without effect are errors, such as layers of a solid or of an elastic shell."""
     given = table(body, "explicit")
     kind = table(given, "law").get("kind")
-    if "shell" not in body:
-        if "layers" in given:
-            yield (
-                (*path, "explicit", "layers"),
-                "layers are for shells with plasticity; a solid has none: remove the key",
-            )
-        if "deletion" in given and kind != "j2":
-            message = 'an elastic part has no deletion; give it a law of kind "j2"'
-            yield (*path, "explicit", "deletion"), message
-        return
-    if "hourglass" in given:
-        yield (
-            (*path, "explicit", "hourglass"),
-            "only hexahedra have hourglass modes, a shell has none; remove the key",
-        )
-    if "bulk_viscosity" in given:
-        yield (*path, "explicit", "bulk_viscosity"), "bulk viscosity is for solids; remove the key"
-    if "law" in given and kind != "j2":
-        message = f'a shell takes a law of kind "j2", or no law if it is elastic; got {kind!r}'
-        yield (*path, "explicit", "law"), message
-    for key in ("layers", "deletion") if "law" not in given else ():
+    if "shell" in body:
+        needless = {
+            "hourglass": "only hexahedra have hourglass modes, a shell has none; remove the key",
+            "bulk_viscosity": "bulk viscosity is for solids; remove the key",
+        }
+        if "law" not in given:
+            elastic = 'an elastic shell has no {}; give it a law of kind "j2"'
+            needless |= {key: elastic.format(key) for key in ("layers", "deletion")}
+        elif kind != "j2":
+            needless["law"] = f'a shell takes a law of kind "j2", or no law if it is elastic; got {kind!r}'
+    else:
+        needless = {"layers": "layers are for shells with plasticity; a solid has none: remove the key"}
+        if kind != "j2":
+            needless["deletion"] = 'an elastic part has no deletion; give it a law of kind "j2"'
+    for key, message in needless.items():
         if key in given:
-            yield (*path, "explicit", key), f'an elastic shell has no {key}; give it a law of kind "j2"'
+            yield (*path, "explicit", key), message
 
 
 def _hardens_one_way(path: KeyPath, body: Raw) -> Mistakes:

@@ -169,8 +169,11 @@ def _run_case(case: Case, folder: Path, beside: DrawingProcess, options: _Option
 
             plot_rounds(folder / ROUNDS_PICTURE, correction_numbers(rounds), units=case.units)
         raise
-    warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
-    _warn_of_damping(case, system)
+    reduced = {body.name: body for body in reduced_bodies(system, case.made_here)}
+    warn_of_frequencies(case.units, reduced.values())
+    for table in case.parts.body:
+        if table.name in reduced:
+            warn_of_ratios(table.damping, reduced[table.name])
     tracked = _tracked(case, system, solution)
     readings = read_sensors(case.sensors, system, solution)
     numbers = summarize(system, solution, tracked, fulls=case.fulls, units=case.units)
@@ -212,14 +215,6 @@ def _warn_of_unknown_bases(system: System, solution: Solution) -> None:
             SuppleWarning,
             stacklevel=2,
         )
-
-
-def _warn_of_damping(case: Case, system: System) -> None:
-    """Warn of each reduced body whose clamped modes have other damping ratios than specified."""
-    reduced = {body.name: body for body in reduced_bodies(system, case.made_here)}
-    for table in case.parts.body:
-        if table.name in reduced:
-            warn_of_ratios(table.damping, reduced[table.name])
 
 
 def _tracked(case: Case, system: System, solution: Solution) -> dict[str, TrackedMotion]:

@@ -10,7 +10,6 @@ from rich.table import Table
 from supple.body import MatrixFiles, ModelCheck, Verdict, deck_source, labelled_matrices_source
 from supple.body.model_check import LOWEST_FREQUENCIES
 from supple.cases import Case, read_case
-from supple.cases.bodies import Body
 from supple.cases.notify import silent
 from supple.cli.info import is_only_a_mesh
 from supple.errors import ImportFormatError, ModelError
@@ -79,10 +78,6 @@ def _print_lines(case: Case) -> None:
         say(line)
 
 
-def _has_no_model(body: Body, case: Case) -> bool:
-    return not body.is_line and body.name not in case.sources
-
-
 def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, UnitSystem]]:
     suffix = path.suffix.lower()
     if is_section_file(path):
@@ -108,7 +103,9 @@ def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, U
         _print_lines(case)
         for name, source in case.sources.items():
             yield f"body '{name}'", source.check(n_frequencies), case.units
-        without = [f"'{body.name}'" for body in case.parts.body if _has_no_model(body, case)]
+        without = [
+            f"'{body.name}'" for body in case.parts.body if not body.is_line and body.name not in case.sources
+        ]
         if without:
             say(
                 f"not checked, because they have no elements or matrices here: {', '.join(without)} "

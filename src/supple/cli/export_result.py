@@ -45,7 +45,8 @@ def export_result(path: Path, target: Path, options: ExportOptions) -> None:
     with shown_step("reading") as notify:
         found = result_machine(path, options.case, notify)
         check_not_an_input(found.case, [target])
-        if target.resolve() in {path.resolve(), *_bodies_beside(found, path)}:
+        bodies = {stored_path(path.parent, each.body.name).resolve() for each in found.system.bodies}
+        if target.resolve() in {path.resolve(), *bodies}:
             raise ResultFileError(
                 f"cannot write {target}: it is the result itself and would be lost; write another file (-o)"
             )
@@ -77,11 +78,6 @@ def _readings(found: ResultMachine, run: ResultParts) -> Readings:
         for each in read_in_parts(angles, found.system, ResultParts(run.path)):
             made[each.name] = replace(each, times=run.times, values=each.values[run.rows])
     return Readings(made[each.name] for each in quantities)
-
-
-def _bodies_beside(found: ResultMachine, path: Path) -> set[Path]:
-    """Files of the reduced bodies of the result."""
-    return {stored_path(path.parent, placed.body.name).resolve() for placed in found.system.bodies}
 
 
 def _rows(there: NDArray[np.float64], suffix: str, options: ExportOptions) -> NDArray[np.int64]:

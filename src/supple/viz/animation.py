@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -126,16 +126,14 @@ def _drawn_once(
     stage: Stage, shown: IntArray, progress: Callable[[float], None] | None
 ) -> Callable[[int], Array8]:
     """A function that draws the frame with a number; if successive frames show one time, it is drawn once."""
-    last, done = (-1, np.zeros((0, 0, 3), dtype=np.uint8)), set()
+    drawn, done = lru_cache(maxsize=1)(stage.frame), set()
 
     def frame(number: int) -> Array8:
-        nonlocal last
-        if last[0] != shown[number]:
-            last = int(shown[number]), stage.frame(int(shown[number]))
+        pixels = drawn(int(shown[number]))
         if progress is not None and number not in done:
             done.add(number)
             progress(len(done) / len(shown))
-        return last[1]
+        return pixels
 
     return frame
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from supple.body import RigidBody, in_space
 from supple.integrate import FloatingMotion, Solution
-from supple.machine import GROUND, At, Joint, System
+from supple.machine import GROUND, Joint, System
 from supple.quantities import tracked_motion
 from supple.results.body_surface import BodySurface
 from supple.results.camera import Camera
@@ -141,12 +141,8 @@ def _joint_marks(
     if other == GROUND:
         yield Mark(GROUND_STYLE, np.tile(system.initial_point(drawn), (n_times, 1)))
     style = _JOINT_STYLES.get(type(joint).__name__, MarkStyle(type(joint).__name__, "P"))
-    yield Mark(style, _place(system, solution, drawn, rows))
-
-
-def _place(system: System, solution: Solution, end: At, rows: slice | NDArray[np.int64]) -> Array:
-    body = system.placed(end.body).body
-    return tracked_motion(body, solution.bodies[end.body].at(rows), end.interface).position
+    motion = solution.bodies[drawn.body].at(rows)
+    yield Mark(style, tracked_motion(system.placed(drawn.body).body, motion, drawn.interface).position)
 
 
 class DrawnGlyphs:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -100,14 +100,14 @@ def machine_scene(
     offsets = obstacle_offsets(system, solution)[rows]
     if system.contacts:
         shown = clear_of_contact(system, {each.body.name: each.nodes for each in seen}, offsets)
-        seen = [_Seen(e.body, e.surface, e.motion, e.observer, shown[e.body.name]) for e in seen]
+        seen = [replace(each, nodes=shown[each.body.name]) for each in seen]
     label, factor = ("", 1.0) if colouring is None else colouring.label(units)
     actors, undeformed, farthest = [], [np.empty((0, 3))], {}
     glyphs = [glyphs_of(system, solution, rows)]
     for each in seen:
         nodes = _enlarged(each.nodes, each, each.body.nodes, enlargement)
         if each.surface is None:
-            glyphs.append(_points(nodes))
+            glyphs.append(Glyphs(np.empty((len(nodes), 0, 2, 3)), (Mark(POINT_STYLE, nodes),)))
             continue
         deflection = None
         if each.observer is not None:
@@ -199,11 +199,6 @@ def _enlarged(places: Array, seen: _Seen, rest: Array, enlargement: float) -> Ar
         )
     carried = _carried(seen.observer, rest)
     return carried + enlargement * (places - carried)
-
-
-def _points(nodes: Array) -> Glyphs:
-    """The nodes of a body that has neither mesh nor elements."""
-    return Glyphs(np.empty((len(nodes), 0, 2, 3)), (Mark(POINT_STYLE, nodes),))
 
 
 def _obstacles(

@@ -82,10 +82,12 @@ def draw_run(
     seen = View(camera, view.enlargement)
     pictures: list[Path] = []
     reduced, lines = system.bodies_of(ReducedBody), system.bodies_of(IntrinsicBody)
-    for body, surface in drawn_bodies(system, meshes):
+    bodies = drawn_bodies(system, meshes)
+    for body, surface in bodies:
         if surface is None:
             continue
-        own = View(_as_placed(camera, system, body.name), seen.enlargement)
+        # In the mesh axes of the body, from the same side as for the machine.
+        own = View(Camera(camera.axes @ system.placed(body.name).rotation), seen.enlargement)
         drawn = DrawnBody(body, surface, own, units)
 
         def path(what: str, name: str = body.name) -> Path:
@@ -102,7 +104,8 @@ def draw_run(
         model = (elements or {}).get(body.name)
         if model is not None and has_stress(model):
             pictures.append(draw_stress(path("stress"), drawn, model, solution))
-    if _is_machine(system, meshes):
+    rigid = any(not placed.body.n_coordinates and placed.body.has_frame for placed in system.bodies)
+    if rigid or system.joints or any(surface is None for _, surface in bodies):
         machine = draw_machine(folder / "machine.png", system, solution, meshes, view=seen, units=units)
         pictures += [] if machine is None else [machine]
     if ENERGIES in solution.series:
@@ -161,14 +164,3 @@ def draw_machine(
         title=instant if title is None else title,
         units=units,
     )
-
-
-def _is_machine(system: System, meshes: Mapping[str, Look | None]) -> bool:
-    """Whether the machine has rigid bodies, joints, or bodies without a surface, which get no picture."""
-    rigid = any(not placed.body.n_coordinates and placed.body.has_frame for placed in system.bodies)
-    return rigid or bool(system.joints) or any(surface is None for _, surface in drawn_bodies(system, meshes))
-
-
-def _as_placed(camera: Camera, system: System, body: str) -> Camera:
-    """The camera for a body in its mesh axes, from the same side as for the machine."""
-    return Camera(camera.axes @ system.placed(body).rotation)
