@@ -477,6 +477,21 @@ def test_each_mistake_is_named_at_its_key_or_at_the_table_it_is_missing_from(fol
     assert header <= int(row.split()[1].rstrip(",")) <= start + new.count("\n")
 
 
+WRONG = {
+    "name of a body": ('name = "hub"', "name = [1]", "name"),
+    "name of a spring": ("[[spring]]\n", "[[element]]\nname = []\n[[spring]]\nname = {}\n", "name"),
+    "place of a follower": ('at = "blade.LE"', "follower = true\nat = [1]", "at"),
+    "modes of a damping": ("modes = [1, 2]", 'modes = ["a", 2]', "modes"),
+    "body of a tie": ("[[spring]]\n", "[[tie]]\nnodes = [1]\non = [2]\n[[spring]]\n", "on"),
+}
+
+
+@pytest.mark.parametrize(("old", "new", "key"), WRONG.values(), ids=WRONG.keys())
+def test_a_value_of_a_wrong_type_is_a_mistake_and_no_fault_of_a_rule(folder, old, new, key):
+    assert old in GOOD
+    assert key in mistakes(folder, GOOD.replace(old, new))
+
+
 def test_the_line_is_that_of_the_key(folder):
     text = GOOD.replace("thickness = 0.02", "thicknes = 0.02")
     assert f"line {line_of(text, 'thicknes =')}, body[1].shell.thicknes:" in mistakes(folder, text)

@@ -166,11 +166,11 @@ def _suit_their_parts(raw: Raw) -> Mistakes:
     Nodes of explicit elements are tied to a modal part, not the other way round.
     """
     kinds = {
-        body.get("name"): "modal" if "modal" in body else "explicit" if "explicit" in body else None
+        str(body.get("name")): "modal" if "modal" in body else "explicit" if "explicit" in body else None
         for _, body in tables(raw, "body")
     }
     for path, place in _part_places(raw):
-        name = place.partition(".")[0] if isinstance(place, str) else None
+        name = str(place).partition(".")[0]
         if name in kinds and kinds[name] is None:
             yield (
                 path,
@@ -179,11 +179,12 @@ def _suit_their_parts(raw: Raw) -> Mistakes:
         elif path[0] == "support" and kinds.get(name) == "modal":
             yield path, "supports are for explicit elements, and this part is modal; give it explicit = {..}"
     for path, tie in tables(raw, "tie"):
-        nodes, on = tie.get("nodes"), tie.get("on")
-        name = nodes.partition(".")[0] if isinstance(nodes, str) else None
-        if isinstance(on, str) and on not in kinds:
-            yield (*path, "on"), unknown("body", on, [str(each) for each in kinds])
-        elif name is not None and name == on:
+        name, on = str(tie.get("nodes")).partition(".")[0], tie.get("on")
+        if not isinstance(on, str):
+            continue  # the schema reports it
+        if on not in kinds:
+            yield (*path, "on"), unknown("body", on, list(kinds))
+        elif name == on:
             yield (*path, "on"), "a part cannot be tied to itself; name another part"
         elif (kinds.get(name), kinds.get(on)) == ("modal", "explicit"):
             message = (

@@ -115,7 +115,9 @@ def warn_of_ratios(given: Damping | None, body: ReducedBody) -> None:
 def _damped_modes_differ(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that the two modes of a Rayleigh ratio are different numbers from 1."""
     modes = table(body, "damping").get("modes")
-    if isinstance(modes, list) and len(modes) == 2 and (modes[0] == modes[1] or min(modes) < 1):
+    if not isinstance(modes, list) or not all(isinstance(each, int) for each in modes):
+        return  # the schema reports it
+    if len(modes) == 2 and (modes[0] == modes[1] or min(modes) < 1):
         message = f"give two different mode numbers from 1, for example [1, 2]; got {modes}"
         yield (*path, "damping", "modes"), message
 

@@ -180,9 +180,9 @@ ElementTable = Annotated[
 
 def _names_differ(raw: Raw) -> Mistakes:
     yield from usable_names(raw, "element")
-    springs = {each.get("name") for _, each in tables(raw, "spring")} - {None}
+    springs = {str(each["name"]) for _, each in tables(raw, "spring") if "name" in each}
     for path, each in tables(raw, "element"):
-        if each.get("name") in springs:
+        if "name" in each and str(each["name"]) in springs:
             yield (*path, "name"), f"a spring is already named {each.get('name')!r}; names must differ"
 
 

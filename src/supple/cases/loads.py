@@ -97,11 +97,12 @@ def _suit_their_place(raw: Raw) -> Mistakes:
     places = {
         f"{body.get('name')}.{name}" for _, body in tables(raw, "body") for name in names(body, "interface")
     }
-    explicit = {body.get("name") for _, body in tables(raw, "body") if "explicit" in body}
+    explicit = {str(body.get("name")) for _, body in tables(raw, "body") if "explicit" in body}
     for path, load in tables(raw, "load"):
         turns = load.get("kind") == "torque" or load.get("follower") is True
-        if turns and load.get("at") not in places:
-            name = str(load.get("at")).partition(".")[0]
+        at = str(load.get("at"))
+        if turns and at not in places:
+            name = at.partition(".")[0]
             message = "a torque or a follower load needs an interface; add one at these nodes"
             yield (*path, "at"), f"{name!r} {NO_INTERFACES}" if name in explicit else message
 

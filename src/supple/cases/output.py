@@ -90,7 +90,7 @@ def _the_film_can_be_made(raw: Raw) -> Mistakes:
     numbers = {
         key: each
         for key, each in given.items()
-        if key in ("frames_per_second", "speed", "start", "end") and isinstance(each, int | float)
+        if key in ("frames_per_second", "speed", "start", "end") and type(each) in (int, float)
     }
     at = RotorAngle(joint) if isinstance(joint, str) else None
     if all(numbers.get(key, 1.0) > 0 for key in ("frames_per_second", "speed")):
