@@ -101,11 +101,8 @@ class UnitSystem:
     time: str = ""
 
     def __post_init__(self) -> None:
-        for name, known in _BASE.items():
-            given = _spelled(getattr(self, name))
-            if given and given not in known:
-                raise ModelError(f"unknown unit of {name} {given!r}{did_you_mean(given, known)}")
-            object.__setattr__(self, name, given)
+        for name in _BASE:
+            object.__setattr__(self, name, _known(name, getattr(self, name)))
 
     @classmethod
     def stated(cls, units: Mapping[str, str]) -> UnitSystem:
@@ -122,12 +119,7 @@ class UnitSystem:
         for key in units:
             if key not in _STATED:
                 raise ModelError(f"units cannot be given for {key!r}{did_you_mean(key, _STATED)}")
-        given = {key: _spelled(unit) for key, unit in units.items()}
-        for key in ("force", "stress"):
-            if key in given and given[key] not in _STATED[key]:
-                raise ModelError(
-                    f"unknown unit of {key} {given[key]!r}{did_you_mean(given[key], _STATED[key])}"
-                )
+        given = {key: _known(key, unit) for key, unit in units.items()}
         length, time = given.get("length", ""), given.get("time", "")
         mass, derived = given.get("mass", ""), [key for key in ("force", "stress") if given.get(key)]
         for key in derived:
@@ -275,20 +267,24 @@ _POWERS = MappingProxyType(
 )
 
 
-def _spelled(unit: str) -> str:
-    """Normalised spelling of a unit: `lbf*s^2/in`, `lbf·s²/in` and `lbf s2/in` are the same."""
+def _known(quantity: str, unit: str) -> str:
+    """A unit in its usual spelling, or ""; `lbf*s^2/in`, `lbf·s²/in` and `lbf s2/in` are the same.
+
+    Raises ModelError for an unknown unit.
+    """
     plain = unit.strip().replace("²", "2").replace("^", "").replace("**", "")
     plain = " ".join(plain.replace("*", " ").replace("·", " ").split())
-    return _SPELLINGS.get(plain, plain)
+    given, known = _SPELLINGS.get(plain, plain), _STATED[quantity]
+    if given and given not in known:
+        raise ModelError(f"unknown unit of {quantity} {given!r}{did_you_mean(given, known)}")
+    return given
 
 
 def _mass_of(length: str, time: str, key: str, unit: str) -> str:
     """The mass consistent with length, time and a unit of force or stress.
 
-    "" for an unknown length or time. Raises ModelError if this mass has no name.
+    Raises ModelError if this mass has no name.
     """
-    if length not in _LENGTHS or time not in _TIMES:
-        return ""
     size = _STATED[key][unit] * _TIMES[time] ** 2 / _LENGTHS[length] ** _POWERS[key]["length"]
     same = [name for name, own in _MASSES.items() if isclose(own, size, rel_tol=_SAME)]
     if not same:

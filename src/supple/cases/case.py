@@ -183,11 +183,7 @@ class Case:
     @cached_property
     def _unsplit(self) -> Mapping[str, FlexibleBody]:
         """The bodies to be split, before the split."""
-        return {
-            body.name: body.flexible(self._whole[body.name])
-            for body in self.tables.body
-            if body.split is not None
-        }
+        return {b.name: b.flexible(self._whole[b.name]) for b in self.tables.body if b.split is not None}
 
     @cached_property
     def sources(self) -> Mapping[str, BodySource]:

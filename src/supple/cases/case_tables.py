@@ -17,7 +17,7 @@ from supple.cases import (
     joints,
     loads,
     output,
-    parameters,
+    parameter_path,
     sensors,
     simulation,
     spin,
@@ -34,7 +34,7 @@ from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load
 from supple.cases.machine_file import MachineFile
 from supple.cases.output import Output
-from supple.cases.parameters import ParameterTable
+from supple.cases.parameter_path import ParameterTable
 from supple.cases.sensors import Sensor
 from supple.cases.simulation import Simulation
 from supple.cases.spin import SpinTable
@@ -108,7 +108,7 @@ RULES: tuple[Rule, ...] = (
     *output.RULES,
     *stated_error.RULES,
     *sensors.RULES,
-    *parameters.RULES,
+    *parameter_path.RULES,
     units_are_one_set,
 )
 """Rules between keys, defined in the modules of the sections."""

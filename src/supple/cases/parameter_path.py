@@ -1,4 +1,7 @@
-"""Paths to the numbers of a case file: `load[0].law.amplitude`, `joint.shaft.law.speed`, `gravity[2]`."""
+"""Paths to the numbers of a case file: `load[0].law.amplitude`, `joint.shaft.law.speed`, `gravity[2]`.
+
+A number with a name is a parameter, which can be changed in an exported machine.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,11 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from supple.cases.shared_rules import joint_label
+from pydantic import Field
+
+from supple.cases.shared_rules import joint_label, usable_names
 from supple.errors import CaseError
-from supple.importers.toml import KeyPath, Raw, nearest_hint
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, nearest_hint, tables
 
 _PART = re.compile(r"\.?([^.\[\]]+)|\[(\d+)\]")
 
@@ -113,3 +118,31 @@ def _name(item: object) -> str:
 
 def _listed(found: Raw) -> str:
     return ", ".join(found) or "nothing"
+
+
+class ParameterTable(CheckedTable):
+    """A named number of the case."""
+
+    name: str = Field(description="name of the variable in the FMU")
+    path: str = Field(description="key that has the number, such as load[0].law.amplitude")
+    unit: str = Field("", description="unit of the number in the FMU")
+
+
+def _lead_to_numbers(raw: Raw) -> Mistakes:
+    for place, each in tables(raw, "parameter"):
+        path = each.get("path")
+        if not isinstance(path, str):
+            continue
+        try:
+            there = parameter_path(path, raw)
+        except CaseError as error:
+            yield (*place, "path"), str(error)
+            continue
+        if number_at(there, raw) is None:
+            yield (
+                (*place, "path"),
+                f"{path} is not a number in this file; write it there, even if it is the default",
+            )
+
+
+RULES = (_lead_to_numbers, lambda raw: usable_names(raw, "parameter"))
