@@ -37,11 +37,7 @@ Names = frozenset[str] | None
 """Names that code reads from a value; None: any name, because a library reads the value."""
 
 
-def _itself(value: Any) -> Any:
-    return value
-
-
-def content_of(value: Any, parts_of: Parts = _itself) -> Iterator[bytes]:
+def content_of(value: Any, parts_of: Parts = lambda value: value) -> Iterator[bytes]:
     """The numbers, names and functions in a value.
 
     Function: its code and the values that the code reads, from closure, defaults and module, and the
@@ -118,7 +114,7 @@ class _Content:
                 yield from self._of_function(value.__func__, inner)
                 owner = value.__self__
                 known = isinstance(owner, type) or is_dataclass(owner) or is_users(type(owner))
-                read = _attributes(value.__func__)
+                read = _names_in(value.__func__.__code__)
                 yield from self.of(owner if known else _own(owner), inner, read)
 
     def _of_object(self, value: Any, inner: tuple[Any, ...], names: Names) -> Iterator[bytes]:
@@ -133,7 +129,9 @@ class _Content:
                 names = names or frozenset()  # a library only calls it
             own = _members(kind, names)
             if names is not None:
-                names = names.union(*(_attributes(item) for _, item in own if isinstance(item, FunctionType)))
+                names = names.union(
+                    *(_names_in(item.__code__) for _, item in own if isinstance(item, FunctionType))
+                )
         else:
             own = []
         if is_dataclass(value):
@@ -184,17 +182,18 @@ class _Content:
                     yield from self.of(found, inner, frozenset())
             return
         yield from _of_code(function.__code__)
-        names = _attributes(function)
+        names = _names_in(function.__code__)
         for item in ("__defaults__", "__kwdefaults__"):
             yield from self.of(getattr(function, item), inner, names)
         for name, found in _closure(function):
             yield name.encode()
             yield from self.of(found, inner, names)
-        for name in _names_read(function.__code__):
+        for name in _arguments_of("LOAD_GLOBAL", function.__code__):
             if name in function.__globals__:
                 yield name.encode()
                 yield from self.of(function.__globals__[name], inner, names)
-        for name in _modules_imported(function.__code__):
+        # Modules that the function imports when it is called.
+        for name in _arguments_of("IMPORT_NAME", function.__code__):
             yield from _of_file(name)
 
 
@@ -233,7 +232,7 @@ def _members(kind: type, names: Names) -> list[tuple[str, Any]]:
             for name, item in members
             if name in used or name.startswith("__") or not isinstance(item, FunctionType)
         ]
-        used = used.union(*(_attributes(item) for _, item in found if isinstance(item, FunctionType)))
+        used = used.union(*(_names_in(item.__code__) for _, item in found if isinstance(item, FunctionType)))
     return found
 
 
@@ -277,18 +276,7 @@ def _of_code(code: CodeType) -> Iterator[bytes]:
             yield from content_of(constant)
 
 
-@lru_cache(maxsize=1024)
-def _names_read(code: CodeType) -> tuple[str, ...]:
-    """Names that a function and the functions within it read from their module."""
-    return _arguments_of("LOAD_GLOBAL", code)
-
-
-@lru_cache(maxsize=1024)
-def _modules_imported(code: CodeType) -> tuple[str, ...]:
-    """Modules that a function and the functions within it import when they are called."""
-    return _arguments_of("IMPORT_NAME", code)
-
-
+@lru_cache(maxsize=2048)
 def _arguments_of(instruction: str, code: CodeType) -> tuple[str, ...]:
     """Names in instructions of one kind, also in the functions within a function."""
     names = {step.argval for step in dis.get_instructions(code) if step.opname == instruction}
@@ -298,14 +286,10 @@ def _arguments_of(instruction: str, code: CodeType) -> tuple[str, ...]:
     return tuple(sorted(names))
 
 
-def _attributes(function: FunctionType) -> frozenset[str]:
-    """Names of globals and attributes in the code of a function and of the functions within it."""
-    return _all_names(function.__code__)
-
-
 @lru_cache(maxsize=1024)
-def _all_names(code: CodeType) -> frozenset[str]:
-    inner = [_all_names(each) for each in code.co_consts if isinstance(each, CodeType)]
+def _names_in(code: CodeType) -> frozenset[str]:
+    """Names of globals and attributes in the code of a function and of the functions within it."""
+    inner = [_names_in(each) for each in code.co_consts if isinstance(each, CodeType)]
     return frozenset(code.co_names).union(*inner)
 
 
