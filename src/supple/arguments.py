@@ -41,19 +41,19 @@ def given(value: Any) -> str:
     return f"a {type(value).__name__}{called}" + (f", {use}" if isinstance(use, str) else "")
 
 
-def check_instance(what: str, value: Any, kinds: type | tuple[type, ...], expected: str) -> None:
+def check_instance(what: str, value: object, kinds: type | tuple[type, ...], expected: str) -> None:
     """Raise unless the value is of one of the types `kinds`; `expected` describes them, with an example."""
     if not isinstance(value, kinds):
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
 
 
-def check_members(what: str, value: Any, members: tuple[str, ...], expected: str) -> None:
+def check_members(what: str, value: object, members: tuple[str, ...], expected: str) -> None:
     """Raise unless the value is an object, not a class, and has all the members."""
     if isinstance(value, type) or not all(hasattr(value, member) for member in members):
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
 
 
-def check_text(what: str, value: Any, expected: str = "a string") -> None:
+def check_text(what: str, value: object, expected: str = "a string") -> None:
     """Raise unless the value is a string that is not empty."""
     if not isinstance(value, str) or not value:
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
@@ -93,7 +93,7 @@ def check_numbers(what: str, value: Any) -> None:
         raise ArgumentError(f"{what}: expected an array of numbers, got {given(value)}")
 
 
-def check_sequence(what: str, value: Any, expected: str) -> None:
+def check_sequence(what: str, value: object, expected: str) -> None:
     """Raise unless the value is a list or another sequence, not text or a single object."""
     if isinstance(value, str | bytes | dict) or not hasattr(value, "__iter__"):
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")

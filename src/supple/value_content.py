@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-Parts = Callable[[Any], Any]
+Parts = Callable[[object], object]
 """Returns the values that represent a value, or the value itself"""
 
 
@@ -37,7 +37,7 @@ Names = frozenset[str] | None
 """Names that code reads from a value; None: any name, because a library reads the value."""
 
 
-def content_of(value: Any, parts_of: Parts = lambda value: value) -> Iterator[bytes]:
+def content_of(value: object, parts_of: Parts = lambda value: value) -> Iterator[bytes]:
     """The numbers, names and functions in a value.
 
     Function: its code and the values that the code reads, from closure, defaults and module, and the
@@ -57,10 +57,10 @@ class _Content:
 
     def __init__(self, parts_of: Parts) -> None:
         self._parts_of = parts_of
-        self._described: dict[Any, tuple[int, Any]] = {}
+        self._described: dict[object, tuple[int, object]] = {}
         """Number of each function and user's object, and the object itself, so that its id stays unique."""
 
-    def of(self, value: Any, around: tuple[Any, ...], names: Names) -> Iterator[bytes]:
+    def of(self, value: object, around: tuple[object, ...], names: Names) -> Iterator[bytes]:
         """The content of a value.
 
         around : mappings and objects that contain the value; a value that contains itself is not repeated
@@ -92,7 +92,7 @@ class _Content:
             case _:
                 yield from self._of_numbers(value, inner, names)
 
-    def _of_callable(self, value: Any, inner: tuple[Any, ...], names: Names) -> Iterator[bytes]:
+    def _of_callable(self, value: object, inner: tuple[object, ...], names: Names) -> Iterator[bytes]:
         """The content of a function, a class or a module."""
         match value:
             case ModuleType():
@@ -111,13 +111,17 @@ class _Content:
             case FunctionType():
                 yield from self._of_function(value, inner)
             case MethodType():
-                yield from self._of_function(value.__func__, inner)
-                owner = value.__self__
+                function, owner = value.__func__, value.__self__
                 known = isinstance(owner, type) or is_dataclass(owner) or is_users(type(owner))
-                read = _names_in(value.__func__.__code__)
+                read = None
+                if isinstance(function, FunctionType):
+                    yield from self._of_function(function, inner)
+                    read = _names_in(function.__code__)
+                else:  # an object that is called as a method
+                    yield from self.of(function, inner, names)
                 yield from self.of(owner if known else _own(owner), inner, read)
 
-    def _of_object(self, value: Any, inner: tuple[Any, ...], names: Names) -> Iterator[bytes]:
+    def _of_object(self, value: object, inner: tuple[object, ...], names: Names) -> Iterator[bytes]:
         """The fields of an object; the values and functions of a user's class."""
         kind = type(value)
         yield kind.__qualname__.encode()
@@ -144,7 +148,7 @@ class _Content:
             yield name.encode()
             yield from self.of(item, inner, names)
 
-    def _number(self, value: Any, names: Names = None) -> bytes | None:
+    def _number(self, value: object, names: Names = None) -> bytes | None:
         """The number of an object that is described already; None for a new one, which gets a number."""
         key = id(value), names
         if key in self._described:
@@ -152,7 +156,7 @@ class _Content:
         self._described[key] = len(self._described), value
         return None
 
-    def _of_numbers(self, value: Any, inner: tuple[Any, ...], names: Names) -> Iterator[bytes]:
+    def _of_numbers(self, value: object, inner: tuple[object, ...], names: Names) -> Iterator[bytes]:
         try:
             array = np.asarray(value)
         except TypeError:  # a number that JAX traces at present
@@ -169,7 +173,7 @@ class _Content:
         else:
             yield (repr(value) if isinstance(value, Number) else type(value).__qualname__).encode()
 
-    def _of_function(self, function: FunctionType, inner: tuple[Any, ...]) -> Iterator[bytes]:
+    def _of_function(self, function: FunctionType, inner: tuple[object, ...]) -> Iterator[bytes]:
         if (number := self._number(function)) is not None:
             yield number
             return
@@ -197,7 +201,7 @@ class _Content:
             yield from _of_file(name)
 
 
-def _own(value: Any) -> dict[str, Any]:
+def _own(value: object) -> dict[str, object]:
     """The attributes of an object: those of its slots, and those of its dictionary."""
     slots = {}
     for kind in type(value).__mro__:
@@ -208,7 +212,7 @@ def _own(value: Any) -> dict[str, Any]:
     return slots | getattr(value, "__dict__", {})
 
 
-def _members(kind: type, names: Names) -> list[tuple[str, Any]]:
+def _members(kind: type, names: Names) -> list[tuple[str, object]]:
     """Values of a user's class and of the user's classes it inherits from, and the methods that are used.
 
     Methods are used if they have one of the names, if Python calls them, such as `__call__`, or if the code
@@ -224,7 +228,7 @@ def _members(kind: type, names: Names) -> list[tuple[str, Any]]:
         for function in _functions_of(item) or (() if name.startswith("__") else (item,))
     ]
     used: set[str] = {name for name, _ in members} if names is None else set(names)
-    found, before = list[tuple[str, Any]](), -1
+    found, before = list[tuple[str, object]](), -1
     while len(found) > before:
         before = len(found)
         found = [
@@ -236,7 +240,7 @@ def _members(kind: type, names: Names) -> list[tuple[str, Any]]:
     return found
 
 
-def _functions_of(item: Any) -> tuple[FunctionType, ...]:
+def _functions_of(item: object) -> tuple[FunctionType, ...]:
     """The function in a member of a class, as a tuple; empty for a value."""
     match item:
         case staticmethod() | classmethod():
@@ -259,7 +263,7 @@ def _of_file(module: str) -> Iterator[bytes]:
             yield Path(found.origin).read_bytes()
 
 
-def _closure(function: Any) -> Iterator[tuple[str, Any]]:
+def _closure(function: FunctionType) -> Iterator[tuple[str, object]]:
     """Names and values of the variables that a function takes from the functions around it."""
     for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
         with suppress(ValueError):  # a variable without a value yet
@@ -293,7 +297,7 @@ def _names_in(code: CodeType) -> frozenset[str]:
     return frozenset(code.co_names).union(*inner)
 
 
-def is_users(value: Any) -> bool:
+def is_users(value: object) -> bool:
     """Whether a class or a function is neither part of a library nor of supple."""
     return not _is_library(getattr(value, "__module__", None) or "builtins")
 
