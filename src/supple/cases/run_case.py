@@ -152,13 +152,7 @@ def _run_case(case: Case, folder: Path, beside: DrawingProcess, options: _Option
             folder,
             rounds,
             known,
-            {
-                "case": case.text,
-                "inputs": inputs,
-                "metadata": _metadata(case, folder),
-                "resume": options.resume,
-                "overwrite": options.force,
-            },
+            inputs,
             options,
         )
     except SelfCorrectionError:
@@ -266,13 +260,21 @@ def _simulated(
     folder: Path,
     rounds: list[Round],
     known: Callable[[System, Solution], None],
-    of_file: Mapping[str, Any],
+    inputs: Inputs,
     options: _Options,
 ) -> tuple[System, Solution]:
     """The motion and its system; rounds of a self-correction are appended as they finish.
 
     known : called with system and motion before the error is estimated
     """
+    units = {"units": str(case.units)} if str(case.units) else {}
+    of_file: dict[str, Any] = {
+        "case": case.text,
+        "inputs": inputs,
+        "metadata": {"title": case.title, CASE_FILE: path_from(folder, case.path), **units},
+        "resume": options.resume,
+        "overwrite": options.force,
+    }
     machine = starting_system(case, allow_code=options.allow_code)
     condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}
     machine = with_sufficient_modes(machine, case.run, condensed, options.progress)
@@ -305,11 +307,6 @@ def _simulated(
         if solution.stopped is None and case.study.basis:
             _warn_of_unknown_bases(system, solution)
     return system, solution
-
-
-def _metadata(case: Case, folder: Path) -> dict[str, str]:
-    units = {"units": str(case.units)} if str(case.units) else {}
-    return {"title": case.title, CASE_FILE: path_from(folder, case.path), **units}
 
 
 def _write_report(

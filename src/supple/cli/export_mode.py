@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from supple.cases import read_case
 from supple.cases.modes_case import mode_case
@@ -31,13 +30,7 @@ def export_mode(path: Path, target: Path, options: ExportOptions) -> None:
         case = read_case(path, notify)
         check_not_an_input(case, [target])
         system, motion = mode_case(case, options.mode, time=options.time or 0.0)
-        of_picture: dict[str, Any] = {
-            "bodies": case.names_in_machine(options.body or ()) or None,
-            "bases": case.bases,
-            "units": case.units,
-        }
-        if suffix == ".vtu":
-            write_vtu(target, system, motion.at(slice(1)), case.meshes, **of_picture)
-        else:
-            write_vtkhdf(target, system, motion, case.meshes, **of_picture)
+        write, shown = (write_vtu, motion.at(slice(1))) if suffix == ".vtu" else (write_vtkhdf, motion)
+        bodies = case.names_in_machine(options.body or ()) or None
+        write(target, system, shown, case.meshes, bodies=bodies, bases=case.bases, units=case.units)
     say(f"mode {options.mode} written to {target}")

@@ -10,7 +10,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from supple.body import BodyForm
 from supple.integrate import Solution
@@ -23,12 +23,14 @@ from supple.machine import (
     Pose,
     SphereContact,
     System,
+    TimeLaw,
 )
 from supple.quantities import contact_forces, node_positions
 from supple.quantities.end_motion import both_ends
 from supple.value_content import UserFunction
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,12 +126,17 @@ def _arrows_of_element(system: System, solution: Solution, load: ForceElement) -
 
 @partial(jax.jit, static_argnums=0)
 def _wrenches(
-    of: UserFunction, law: Any, parameters: Any, first: Pose, second: Pose, times: Any
+    of: UserFunction,
+    law: TimeLaw | None,
+    parameters: tuple[ArrayLike, ...],
+    first: Pose,
+    second: Pose,
+    times: Array,
 ) -> jax.Array:
     kind: Any = of.function
 
     def at(one: Pose, other: Pose, time: jax.Array) -> jax.Array:
-        value: Any = None if law is None else law(time)
+        value = None if law is None else law(time)
         wrenches = kind.wrenches(one, other, value, parameters)
         return jnp.stack([jnp.concatenate([each.force, each.moment]) for each in wrenches])
 
@@ -161,7 +168,7 @@ def _arrow_of_nodes(system: System, solution: Solution, load: NodalLoad) -> Arro
 
 @partial(jax.jit, static_argnums=(0, 1))
 def _sums(
-    kind: type[NodalLoad], dimensions: int, law: Any, facets: Any, places: Any, times: Any
+    kind: type[NodalLoad], dimensions: int, law: TimeLaw, facets: IntArray, places: Array, times: Array
 ) -> jax.Array:
     """Sums (t, 3) of the forces on all facets with nodes at positions (t, k, 3) in space.
 
