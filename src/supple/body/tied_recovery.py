@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,26 +15,13 @@ from scipy import sparse
 
 from supple.body.averaged_motion import averaged_motion
 from supple.body.coordinates import rigid_sets
+from supple.body.interface import Interface
 from supple.body.second_order_tie import tied_parts
 from supple.fem import Attached, RigidPiece, StressRecovery
 
-__all__ = ["InnerPiece", "Tied", "inner_pieces", "tied_recovery", "with_virtual_freedoms"]
+__all__ = ["InnerPiece", "inner_pieces", "tied_recovery", "with_virtual_freedoms"]
 
 Array = NDArray[np.float64]
-
-
-class Tied(Protocol):
-    """Data of an interface for the recovery, of a full or reduced body."""
-
-    @property
-    def position(self) -> np.ndarray:
-        """Undeformed position (3,) of the virtual node, m."""
-        ...
-
-    @property
-    def tied_nodes(self) -> np.ndarray:
-        """Numbers of the nodes tied rigidly to the interface, to second order."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +36,10 @@ class InnerPiece:
     position: Array
     tied_nodes: NDArray[np.int64]
     motion: sparse.csr_array
+
+
+Tied = Interface | InnerPiece
+"""Data of an interface for the recovery, of a full or reduced body."""
 
 
 def inner_pieces(

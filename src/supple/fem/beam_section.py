@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra.cross import cross_matrix
 from supple.errors import ModelError
-from supple.fem.material import Isotropic, lowest_scaled_eigenvalue, stiffness_matrix
+from supple.fem.material import Isotropic, check_not_negative, lowest_scaled_eigenvalue, stiffness_matrix
 from supple.mesh import SectionGeometry
 
 __all__ = ["BeamSection", "CoupledBeamSection", "LineSection", "RodSection"]
@@ -75,10 +75,7 @@ class BeamSection:
             object.__setattr__(self, "mass_per_length", self.material.density * self.area)
         if not (isfinite(self.area) and self.area > 0):
             raise ModelError(f"beam section: area is {self.area}; it must be positive and finite")
-        for name in ("I1", "I2", "J", "mass_per_length"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value >= 0):
-                raise ModelError(f"beam section: {name} is {value}; it must be finite and not negative")
+        check_not_negative(self, "beam section: {}", "I1", "I2", "J", "mass_per_length")
         for name in ("K1", "K2"):
             value = getattr(self, name)
             if not (isfinite(value) and value >= 0):
@@ -221,10 +218,7 @@ class RodSection:
             object.__setattr__(self, "mass_per_length", self.material.density * self.area)
         if not (isfinite(self.area) and self.area > 0):
             raise ModelError(f"rod: area is {self.area}; it must be positive and finite")
-        for name in ("J", "mass_per_length", "torsion_arm"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value >= 0):
-                raise ModelError(f"rod: {name} is {value}; it must be finite and not negative")
+        check_not_negative(self, "rod: {}", "J", "mass_per_length", "torsion_arm")
 
 
 def _flexibility(section: BeamSection) -> FloatArray:

@@ -107,8 +107,7 @@ class Anisotropic:
                 f"the elasticity is not positive definite (lowest eigenvalue {lowest:.3e} when scaled to a "
                 "unit diagonal): such a material is unstable; check its constants"
             )
-        if not (isfinite(self.density) and self.density >= 0):
-            raise ModelError(f"density is {self.density}; it must be finite and not negative")
+        check_not_negative(self, "{}", "density")
 
 
 def stiffness_matrix(name: str, given: ArrayLike, n: int) -> NDArray[np.float64]:
@@ -125,6 +124,14 @@ def stiffness_matrix(name: str, given: ArrayLike, n: int) -> NDArray[np.float64]
         )
     matrix.setflags(write=False)
     return matrix
+
+
+def check_not_negative(record: object, label: str, *names: str) -> None:
+    """Raise ModelError for a field that is negative or not finite; `label` is filled with its name."""
+    for name in names:
+        value = getattr(record, name)
+        if not (isfinite(value) and value >= 0):
+            raise ModelError(f"{label.format(name)} is {value}; it must be finite and not negative")
 
 
 def lowest_scaled_eigenvalue(matrix: NDArray[np.float64]) -> float:

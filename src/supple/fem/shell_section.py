@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.arguments import check_fields
 from supple.errors import ModelError
-from supple.fem.material import Isotropic, lowest_scaled_eigenvalue, stiffness_matrix
+from supple.fem.material import Isotropic, check_not_negative, lowest_scaled_eigenvalue, stiffness_matrix
 
 __all__ = ["HomogeneousSection", "LaminateSection", "ShellSection"]
 
@@ -52,10 +52,7 @@ class HomogeneousSection:
             raise ModelError(f"wall thickness is {self.thickness}; it must be a positive finite length")
         if not isfinite(self.offset):
             raise ModelError(f"the offset of a wall is {self.offset}; give a finite length")
-        for name in ("added_mass", "shear_factor"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value >= 0):
-                raise ModelError(f"{name} of a wall is {value}; it must be finite and not negative")
+        check_not_negative(self, "{} of a wall", "added_mass", "shear_factor")
 
     @property
     def membrane(self) -> FloatArray:
@@ -162,10 +159,7 @@ class LaminateSection:
                 f"the A-B-D matrix is not positive definite (lowest eigenvalue {lowest:.3e} when scaled to a "
                 "unit diagonal): check the units and the sign of the coupling B"
             )
-        for name in ("mass_per_area", "rotary_inertia_per_area"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value >= 0):
-                raise ModelError(f"{name} is {value}; it must be finite and not negative")
+        check_not_negative(self, "{}", "mass_per_area", "rotary_inertia_per_area")
         if self.shear is not None:
             object.__setattr__(self, "shear", stiffness_matrix("laminate shear stiffness", self.shear, 2))
             if lowest_scaled_eigenvalue(self.shear) < 1e-12:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import TypeVar
 
 import jax.numpy as jnp
 import numpy as np
@@ -15,30 +15,6 @@ from supple.errors import ModelError
 __all__ = ["RigidCylinder", "RigidPlane", "RigidSphere", "is_moving", "moved"]
 
 Vector = tuple[float, float, float]
-
-
-class Obstacle(Protocol):
-    """A rigid surface that translates; frozen and hashable.
-
-    velocity : (3,) m/s, at the start;   mass : kg, infinite for a constant velocity
-    """
-
-    @property
-    def velocity(self) -> Vector:
-        """Initial velocity, m/s."""
-        ...
-
-    @property
-    def mass(self) -> float:
-        """Mass, kg."""
-        ...
-
-    def gap(self, x: Array) -> tuple[Array, Array]:
-        """Distances (n,) of points (3, n) from the surface in its initial position, and its normals (3, n).
-
-        A distance is negative inside the obstacle; normals are unit vectors that point out of the obstacle.
-        """
-        ...
 
 
 @dataclass(frozen=True)
@@ -56,14 +32,14 @@ class RigidPlane:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        size = float(np.linalg.norm(self.normal))
-        if not size > 0:
-            raise ModelError(f"the normal of a plane must not vanish, got {self.normal}")
-        object.__setattr__(self, "normal", tuple(float(c) / size for c in self.normal))
+        object.__setattr__(self, "normal", _unit("the normal of a plane", self.normal))
         _check_mass(self.mass)
 
     def gap(self, x: Array) -> tuple[Array, Array]:
-        """Distances (n,) and normals (3, n), as defined in `Obstacle.gap`."""
+        """Distances (n,) of points (3, n) from the surface in its initial position, and its normals (3, n).
+
+        A distance is negative inside the obstacle; normals are unit vectors that point out of the obstacle.
+        """
         n = jnp.array(self.normal)[:, None]
         return (n * (x - jnp.array(self.point)[:, None])).sum(axis=0), jnp.broadcast_to(n, x.shape)
 
@@ -87,7 +63,7 @@ class RigidSphere:
         _check_radius(self.radius)
 
     def gap(self, x: Array) -> tuple[Array, Array]:
-        """Distances (n,) and normals (3, n), as defined in `Obstacle.gap`."""
+        """Distances (n,) and normals (3, n), as of `RigidPlane`."""
         return _from_core(x - jnp.array(self.centre)[:, None], self.radius)
 
 
@@ -107,18 +83,20 @@ class RigidCylinder:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        size = float(np.linalg.norm(self.axis))
-        if not size > 0:
-            raise ModelError(f"the axis of a cylinder must not vanish, got {self.axis}")
-        object.__setattr__(self, "axis", tuple(float(c) / size for c in self.axis))
+        object.__setattr__(self, "axis", _unit("the axis of a cylinder", self.axis))
         _check_mass(self.mass)
         _check_radius(self.radius)
 
     def gap(self, x: Array) -> tuple[Array, Array]:
-        """Distances (n,) and normals (3, n), as defined in `Obstacle.gap`."""
+        """Distances (n,) and normals (3, n), as of `RigidPlane`."""
         axis = jnp.array(self.axis)[:, None]
         arm = x - jnp.array(self.point)[:, None]
         return _from_core(arm - axis * (axis * arm).sum(axis=0), self.radius)
+
+
+Obstacle = RigidPlane | RigidSphere | RigidCylinder
+"""A rigid surface that translates from a velocity, which is constant if the mass is infinite."""
+_Obstacle = TypeVar("_Obstacle", bound=Obstacle)
 
 
 def is_moving(obstacle: Obstacle) -> bool:
@@ -126,7 +104,7 @@ def is_moving(obstacle: Obstacle) -> bool:
     return any(obstacle.velocity) or np.isfinite(obstacle.mass)
 
 
-def moved(obstacle: Any, offset: np.ndarray, velocity: np.ndarray) -> Any:
+def moved(obstacle: _Obstacle, offset: np.ndarray, velocity: np.ndarray) -> _Obstacle:
     """A moving obstacle after a displacement (3,), at a velocity (3,); a fixed one is unchanged."""
     if not is_moving(obstacle):
         return obstacle
@@ -139,6 +117,13 @@ def _from_core(arm: Array, radius: float) -> tuple[Array, Array]:
     squared = (arm * arm).sum(axis=0)
     distance = jnp.sqrt(jnp.where(squared > 0, squared, 1.0))
     return jnp.where(squared > 0, distance, 0.0) - radius, arm / distance
+
+
+def _unit(what: str, vector: Vector) -> tuple[float, ...]:
+    size = float(np.linalg.norm(vector))
+    if not size > 0:
+        raise ModelError(f"{what} must not vanish, got {vector}")
+    return tuple(float(c) / size for c in vector)
 
 
 def _check_mass(mass: float) -> None:

@@ -270,14 +270,15 @@ def _check_shapes(body: ReducedBody) -> None:
         "frequencies": (r,),
         "nodal_basis": (body.nodal_basis.shape[0], r),
     }
-    if (body.cubic is None) != (body.quartic is None):
-        raise ModelError(f"reduced body '{body.name}': give both cubic and quartic tensors, or neither")
-    if (body.damping_cubic is None) != (body.damping_quartic is None):
-        raise ModelError(
-            f"reduced body '{body.name}': give both damping_cubic and damping_quartic, or neither"
-        )
-    if body.cubic is not None:
-        expected |= {"cubic": (n2, r), "quartic": (n2, n2)}
+    for of_what in ("", "damping_"):
+        cubic, quartic = (getattr(body, of_what + name) is not None for name in ("cubic", "quartic"))
+        if cubic != quartic:
+            raise ModelError(
+                f"reduced body '{body.name}': give both {of_what}cubic and {of_what}quartic tensors, or "
+                "neither"
+            )
+        if cubic:
+            expected |= {f"{of_what}cubic": (n2, r), f"{of_what}quartic": (n2, n2)}
     if body.condensed is not None and body.condensed.shape != (body.nodal_basis.shape[0], n2):
         raise ModelError(
             f"reduced body '{body.name}': condensed motion of shape {body.condensed.shape}, "
@@ -290,8 +291,6 @@ def _check_shapes(body: ReducedBody) -> None:
                 f"reduced body '{body.name}': moments of its condensed motion of shape {moments.shape}, "
                 f"but {r} coordinates need {(12, n2)} finite numbers"
             )
-    if body.damping_cubic is not None:
-        expected |= {"damping_cubic": (n2, r), "damping_quartic": (n2, n2)}
     for name, shape in expected.items():
         array = getattr(body, name)
         if array.shape != shape:

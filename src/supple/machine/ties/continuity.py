@@ -8,7 +8,6 @@ The user therefore chooses the continuity according to the static shapes in the 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,18 +21,6 @@ FloatArray = NDArray[np.float64]
 _COLLINEAR = 1e-6  # relative width of an interface, below which its rotation about its own line is undefined
 
 
-class Continuity(Protocol):
-    """Combinations of the gap between two interfaces that a tie sets to zero."""
-
-    def patterns(self, points: FloatArray, reach: FloatArray) -> FloatArray:
-        """Coefficients L (r, n, 3) of r combinations: sum_c L_rc . gap_c = 0 over the nodes c.
-
-        points : (n, 3) positions of the nodes of the interface
-        reach : (3 n, m)    gap due to each motion of the two parts, scaled to unit kinetic energy
-        """
-        ...
-
-
 @dataclass(frozen=True)
 class MeanMotion:
     """Equal mean displacement and mean rotation of the interfaces: the best-fit rigid motion of each.
@@ -44,8 +31,12 @@ class MeanMotion:
     The sections of both parts warp independently, which makes a tie of solids slightly too soft.
     """
 
-    def patterns(self, points: FloatArray, reach: FloatArray) -> FloatArray:  # noqa: ARG002 - of the protocol
-        """Coefficients L (r, n, 3), as defined in `Continuity.patterns`."""
+    def patterns(self, points: FloatArray, reach: FloatArray) -> FloatArray:  # noqa: ARG002
+        """Coefficients L (r, n, 3) of r combinations: sum_c L_rc . gap_c = 0 over the nodes c.
+
+        points : (n, 3) positions of the nodes of the interface
+        reach : (3 n, m)    gap due to each motion of the two parts, scaled to unit kinetic energy
+        """
         arms = points - points.mean(axis=0)
         size = max(float(np.linalg.norm(arms, axis=1).max()), 1e-300)
         turns = [np.cross(axis, arms / size).ravel() for axis in np.eye(3)]
@@ -74,7 +65,7 @@ class EveryNode:
             raise ModelError(f"the tolerance of a tie must lie in (0, 1), got {self.tolerance}")
 
     def patterns(self, points: FloatArray, reach: FloatArray) -> FloatArray:
-        """Coefficients L (r, n, 3), as defined in `Continuity.patterns`."""
+        """Coefficients L (r, n, 3), as of `MeanMotion`."""
         across, sizes, _ = np.linalg.svd(reach, full_matrices=False)
         kept = across[:, sizes > self.tolerance * sizes[0]]
         return kept.T.reshape(-1, len(points), 3)
