@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from supple.arguments import check_fields
 from supple.body import FlexibleBody, Frame, MeanAxisFrame
 from supple.reduction.bases.interface_columns import column_labels, motion_rows, require_interfaces
-from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
+from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe, static_columns
 
 __all__ = ["AttachmentModes"]
 
@@ -42,12 +40,5 @@ class AttachmentModes:
         basis = self.recipe.build(body, frame)
         relief = body.constrained(MeanAxisFrame().constraint(body))
         attachment = relief.solve(motion_rows(body.interfaces).T)
-        return LinearBasis(
-            vectors=np.hstack([attachment, basis.vectors]),
-            frequencies=np.concatenate([np.full(attachment.shape[1], np.nan), basis.frequencies]),
-            labels=column_labels("attachment", body.interfaces) + basis.labels,
-            static_solver=basis.static_solver,
-            dropped=basis.dropped,
-            # More columns lower the eigenvalues, but not below the exact ones: the certificate remains valid.
-            certificate=basis.certificate,
-        )
+        labels = column_labels("attachment", body.interfaces)
+        return static_columns(attachment, labels, basis.static_solver).followed_by(basis)

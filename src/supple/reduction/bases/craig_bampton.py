@@ -36,10 +36,7 @@ class CraigBampton(ModeCount):
         static = constraint_modes(body, frame)
         n_modes = self.modes_besides(static.vectors.shape[1])
         modes = self.selection.choose(body, n_modes)
-        return LinearBasis(
-            vectors=np.hstack([static.vectors, modes.vectors]),
-            frequencies=np.concatenate([static.frequencies, np.sqrt(modes.values)]),
-            labels=static.labels + tuple(f"fixed-interface mode {i}" for i in modes.numbers),
-            static_solver=static.static_solver,
-            dropped=static.dropped,
+        labels = tuple(f"fixed-interface mode {i}" for i in modes.numbers)
+        return static.followed_by(
+            LinearBasis(modes.vectors, np.sqrt(modes.values), labels, static.static_solver)
         )

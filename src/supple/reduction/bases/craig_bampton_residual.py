@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.algebra import Eigenpairs, RitzModes
 from supple.body import FlexibleBody, Frame
-from supple.reduction.bases.craig_bampton import CraigBampton
 from supple.reduction.bases.guyan import Guyan, interface_shapes
 from supple.reduction.bases.interface_columns import column_labels, motion_rows
-from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
+from supple.reduction.bases.linear_basis import LinearBasis, ModeCount, static_columns
 from supple.reduction.components.deflation import residual_response
+from supple.reduction.components.fixed_interface_component import fixed_interface_modes
 
 __all__ = ["CraigBamptonResidual"]
 
@@ -36,20 +35,11 @@ class CraigBamptonResidual(ModeCount):
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Constraint and residual modes, vibrations; ModelError without interface or for too many modes."""
         static = Guyan().build(body, frame)
-        n_constraint = static.vectors.shape[1]
-        n_residual = 6 * len(body.independent_interfaces)
-        n_modes = self.modes_besides(n_constraint + n_residual)
-        plain = CraigBampton(n_modes=n_modes).build(body, frame)
-        constraint, modes = np.split(plain.vectors, [n_constraint], axis=1)
-        known = RitzModes.of(Eigenpairs(plain.frequencies[n_constraint:] ** 2, modes))
-        clamped = body.constrained(motion_rows(body.independent_interfaces))
-        residual = residual_response(clamped, body.mass, known, body.mass @ interface_shapes(body)).columns
-        return LinearBasis(
-            vectors=np.hstack([constraint, residual, modes]),
-            frequencies=np.insert(plain.frequencies, n_constraint, np.full(n_residual, np.nan)),
-            labels=plain.labels[:n_constraint]
-            + column_labels("residual", body.independent_interfaces)
-            + plain.labels[n_constraint:],
-            static_solver=plain.static_solver,
-            dropped=plain.dropped,
-        )
+        interfaces = body.independent_interfaces
+        modes = fixed_interface_modes(body, self.modes_besides(len(static.labels) + 6 * len(interfaces)))
+        clamped = body.constrained(motion_rows(interfaces))
+        residual = residual_response(clamped, body.mass, modes, body.mass @ interface_shapes(body)).columns
+        own = static_columns(residual, column_labels("residual", interfaces), static.static_solver)
+        labels = tuple(f"fixed-interface mode {i + 1}" for i in range(modes.values.size))
+        vibrations = LinearBasis(modes.vectors, np.sqrt(modes.values), labels, static.static_solver)
+        return static.followed_by(own).followed_by(vibrations)

@@ -13,7 +13,7 @@ from supple.reduction.bases.interface_columns import (
     motion_rows,
     require_interfaces,
 )
-from supple.reduction.bases.linear_basis import LinearBasis
+from supple.reduction.bases.linear_basis import LinearBasis, static_columns
 
 __all__ = ["Guyan", "constraint_modes", "interface_shapes"]
 
@@ -50,13 +50,8 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
     unit_motions = np.vstack([np.zeros((6, n_moving)), np.eye(n_moving)])
     n = body.n
     vectors = solver.solve(np.zeros((n, n_moving)), unit_motions) if moving else np.empty((n, 0))
-    return LinearBasis(
-        vectors=vectors,
-        frequencies=np.full(n_moving, np.nan),
-        labels=column_labels("constraint", moving),
-        static_solver=solver,
-        dropped=column_labels("constraint", [each for each in body.interfaces if each not in moving]),
-    )
+    dropped = column_labels("constraint", [each for each in body.interfaces if each not in moving])
+    return static_columns(vectors, column_labels("constraint", moving), solver, dropped)
 
 
 def interface_shapes(body: FlexibleBody) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from supple.body import FlexibleBody, Frame, MeanAxisFrame
 from supple.body.checks import FREEDOM_NAMES
 from supple.reduction.bases.guyan import Guyan
 from supple.reduction.bases.interface_columns import motion_rows, require_interfaces
-from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
+from supple.reduction.bases.linear_basis import LinearBasis, ModeCount, static_columns
 from supple.reduction.bases.normal_modes import NormalModes
 
 __all__ = ["Herting", "inertia_relief_modes"]
@@ -39,19 +39,13 @@ class Herting(ModeCount):
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Constraint, inertia relief and free modes; ModelError without interface, or for too many modes."""
         constraint = Guyan().build(body, frame)
-        relief = inertia_relief_modes(body)
-        static = np.hstack([constraint.vectors, relief])
-        n_modes = self.modes_besides(static.shape[1])
-        modes = NormalModes(n_modes).build(body, MeanAxisFrame())
-        return LinearBasis(
-            vectors=np.hstack([static, modes.vectors]),
-            frequencies=np.concatenate([np.full(static.shape[1], np.nan), modes.frequencies]),
-            labels=constraint.labels
-            + tuple(f"inertia relief {motion}" for motion in FREEDOM_NAMES)
-            + tuple(f"free-interface {label}" for label in modes.labels),
-            static_solver=body.constrained(frame.constraint(body)),
-            dropped=constraint.dropped,
-        )
+        solver = body.constrained(frame.constraint(body))
+        labels = tuple(f"inertia relief {motion}" for motion in FREEDOM_NAMES)
+        relief = static_columns(inertia_relief_modes(body), labels, solver)
+        static = replace(constraint, static_solver=solver).followed_by(relief)
+        modes = NormalModes(self.modes_besides(len(static.labels))).build(body, MeanAxisFrame())
+        labels = tuple(f"free-interface {label}" for label in modes.labels)
+        return static.followed_by(replace(modes, labels=labels))
 
 
 def inertia_relief_modes(body: FlexibleBody) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -35,6 +35,27 @@ class LinearBasis(ReadOnlyArrays):
     static_solver: ConstrainedFactor
     dropped: tuple[str, ...] = ()
     certificate: EigenvalueCertificate | None = None
+
+    def followed_by(self, other: LinearBasis) -> LinearBasis:
+        """The columns of both, with the static solver of this basis.
+
+        More columns lower the eigenvalues, but not below the exact ones: a certificate remains valid.
+        """
+        return replace(
+            self,
+            vectors=np.hstack([self.vectors, other.vectors]),
+            frequencies=np.concatenate([self.frequencies, other.frequencies]),
+            labels=self.labels + other.labels,
+            dropped=self.dropped + other.dropped,
+            certificate=self.certificate or other.certificate,
+        )
+
+
+def static_columns(
+    vectors: np.ndarray, labels: tuple[str, ...], solver: ConstrainedFactor, dropped: tuple[str, ...] = ()
+) -> LinearBasis:
+    """A basis of static columns, which have no natural frequency."""
+    return LinearBasis(vectors, np.full(vectors.shape[1], np.nan), labels, solver, dropped)
 
 
 class LinearBasisRecipe(Protocol):

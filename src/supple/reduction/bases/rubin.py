@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from supple.reduction.bases.interface_columns import (
     motion_rows,
     require_interfaces,
 )
-from supple.reduction.bases.linear_basis import LinearBasis, ModeCount
+from supple.reduction.bases.linear_basis import LinearBasis, ModeCount, static_columns
 from supple.reduction.bases.normal_modes import NormalModes
 
 __all__ = ["Rubin"]
@@ -41,16 +41,12 @@ class Rubin(ModeCount):
         require_interfaces(body, "a Rubin basis")
         fixed = fixed_interfaces(body, frame)
         loaded = [interface for interface in body.independent_interfaces if interface not in fixed]
-        n_static = 6 * len(loaded)
-        n_modes = self.modes_besides(n_static)
-        modes = NormalModes(n_modes).build(body, frame)
+        modes = NormalModes(self.modes_besides(6 * len(loaded))).build(body, frame)
         attachment = np.empty((body.n, 0))
         if loaded:
             attachment = modes.static_solver.solve(motion_rows(loaded).T)
-        return LinearBasis(
-            vectors=np.hstack([attachment, modes.vectors]),
-            frequencies=np.concatenate([np.full(n_static, np.nan), modes.frequencies]),
-            labels=column_labels("attachment", loaded) + tuple(f"free-interface {m}" for m in modes.labels),
-            static_solver=modes.static_solver,
-            dropped=column_labels("attachment", [each for each in body.interfaces if each not in loaded]),
+        dropped = column_labels("attachment", [each for each in body.interfaces if each not in loaded])
+        labels = column_labels("attachment", loaded)
+        return static_columns(attachment, labels, modes.static_solver, dropped).followed_by(
+            replace(modes, labels=tuple(f"free-interface {label}" for label in modes.labels))
         )

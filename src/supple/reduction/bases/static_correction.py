@@ -9,7 +9,7 @@ import numpy as np
 from supple.algebra import read_only
 from supple.body import FlexibleBody, Frame
 from supple.errors import ModelError
-from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
+from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe, static_columns
 
 __all__ = ["StaticCorrection"]
 
@@ -51,12 +51,5 @@ class StaticCorrection:
             )
         basis = self.recipe.build(body, frame)
         responses = basis.static_solver.solve(body.expansion.T @ self.loads)
-        n_loads = self.loads.shape[1]
-        return LinearBasis(
-            vectors=np.hstack([basis.vectors, responses]),
-            frequencies=np.append(basis.frequencies, np.full(n_loads, np.nan)),
-            labels=basis.labels + tuple(f"static response to load {i + 1}" for i in range(n_loads)),
-            static_solver=basis.static_solver,
-            dropped=basis.dropped,
-            certificate=basis.certificate,
-        )
+        labels = tuple(f"static response to load {i + 1}" for i in range(self.loads.shape[1]))
+        return basis.followed_by(static_columns(responses, labels, basis.static_solver))

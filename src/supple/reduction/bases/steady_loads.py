@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from supple.body import FlexibleBody, Frame
 from supple.body.inertia_polynomial import SPIN_PAIRS, InertiaPolynomial
 from supple.reduction.bases.interface_columns import fixed_interfaces
-from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe
+from supple.reduction.bases.linear_basis import LinearBasis, LinearBasisRecipe, static_columns
 
 __all__ = ["NoLoads", "SteadyLoads"]
 
@@ -58,12 +58,8 @@ class SteadyLoads:
         responses = solver.solve(_loads(body)[:, -len(names) :])
         lengths = np.sqrt(np.sum(responses * (body.mass @ responses), axis=0))
         kept = np.flatnonzero(lengths > SMALLEST_RESPONSE * lengths.max())
-        return replace(
-            basis,
-            vectors=np.hstack([basis.vectors, responses[:, kept]]),
-            frequencies=np.append(basis.frequencies, np.full(len(kept), np.nan)),
-            labels=basis.labels + tuple(f"static response to {names[i]}" for i in kept),
-        )
+        labels = tuple(f"static response to {names[i]}" for i in kept)
+        return basis.followed_by(static_columns(responses[:, kept], labels, basis.static_solver))
 
 
 @dataclass(frozen=True)
