@@ -21,14 +21,9 @@ IntArray = NDArray[np.int64]
 class Polar:
     """Lift and drag coefficients at angles of attack; linear in between, undefined outside.
 
-    Parameters
-    ----------
-    name : str
-    angle : float array (m,)        rad, increasing
-    lift, drag : float array (m,)
-    Raises
-    ------
-    ModelError   unequal lengths, fewer than two angles, NaN, angles out of order
+    angle : (m,)    rad, increasing
+    lift, drag : (m,)
+    Raises ModelError for unequal lengths, fewer than two angles, NaN, or angles out of order.
     """
 
     name: str

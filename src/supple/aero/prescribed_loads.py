@@ -58,13 +58,9 @@ def lumped_forces(span: ArrayLike, normal: ArrayLike, tangential: ArrayLike) -> 
 
     The share of a node reaches half the way to each neighbour, so that the shares add up to the length.
 
-    Parameters
-    ----------
-    span : float array (k,)                  m, increasing, k >= 2
-    normal, tangential : float array (..., k)   N/m at the nodes
-    Raises
-    ------
-    ModelError   span not increasing
+    span : (k,)    m, increasing, k >= 2
+    normal, tangential : (..., k)   N/m at the nodes
+    Raises ModelError for a span that does not increase.
     """
     span = np.asarray(span, dtype=np.float64)
     if span.ndim != 1 or span.size < 2 or (np.diff(span) <= 0).any():

@@ -23,16 +23,12 @@ ROUNDING = 1e-6
 class Rotor:
     """Equal blades given at stations; chord, twist and coefficients vary linearly in between.
 
-    Parameters
-    ----------
-    radius : float array (n,)    m from the rotor axis, increasing, n >= 2; the last one is that of the tip
-    chord : float array (n,)     m, above zero
-    twist : float array (n,)     rad, positive rotates the nose into the wind
-    polars : Polar (n,)
-    n_blades : int
-    Raises
-    ------
-    ModelError   unequal lengths, NaN, radii out of order or not above zero, chord not above zero, no blades
+    radius : (n,)    m from the rotor axis, increasing, n >= 2; the last one is that of the tip
+    chord : (n,)    m, above zero
+    twist : (n,)    rad, positive rotates the nose into the wind
+    polars : (n,)
+    Raises ModelError for unequal lengths, NaN, radii out of order or not above zero, chord not above zero, no
+    blades.
     """
 
     radius: FloatArray

@@ -91,11 +91,8 @@ def deck_source(
     """Source of the body of a deck, whose rigid ties are constraints even if no interface uses them.
 
     part : as for `named_part`;  leave_out : as for `refuse_omitted_cards`
-
-    Raises
-    ------
-    ImportFormatError   a file that cannot be read
-    ModelError          as for `named_part`; omitted cards that `leave_out` does not allow
+    Raises ImportFormatError for a file that cannot be read; ModelError as for `named_part`; omitted cards
+    that `leave_out` does not allow.
     """
     deck = read_deck(path)
     refuse_omitted_cards(deck, leave_out)

@@ -66,9 +66,7 @@ def deck_frequencies(deck: Deck, n: int, *, held: bool = False) -> FloatArray:
         frequencies of the elastic modes without supports
     Parts without mass are omitted.
 
-    Raises
-    ------
-    ModelError, MeshError   as for `deck_model`; parts whose massless freedoms cannot be condensed
+    Raises ModelError, MeshError as for `deck_model`; parts whose massless freedoms cannot be condensed.
     """
     found = [np.zeros(0)]
     for model in deck_models(deck, held=held).values():

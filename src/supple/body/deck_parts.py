@@ -119,13 +119,9 @@ def _without(given: ScalarTerms, refused: NDArray[np.bool_]) -> ScalarTerms:
 def named_part(deck: Deck, name: str | None) -> Deck:
     """The part or superelement of that name in a deck; the only part if `name` is None.
 
-    Raises
-    ------
-    ModelError   several parts and no name; an unknown name; a deck or superelement without parts, or a
-                 superelement with several parts
-    Warns
-    -----
-    SuppleWarning   as for `warn_of_scalar_points`
+    Raises ModelError for several parts and no name; an unknown name; a deck or superelement without parts, or
+    a superelement with several parts.
+    Warns SuppleWarning as for `warn_of_scalar_points`.
     """
     if name is not None and name in deck.superelements:
         return named_part(deck.superelements[name], None)

@@ -138,10 +138,7 @@ def read_labelled_superelement(
 def read_nodal_matrices(files: MatrixFiles) -> NodalMatrices:
     """The matrices of the files in the mesh axes, from which `labelled_superelement` builds a body.
 
-    Raises
-    ------
-    ImportFormatError   files that cannot be read
-    ModelError          as for `nodal_matrices`
+    Raises ImportFormatError for files that cannot be read; ModelError as for `nodal_matrices`.
     """
     table = read_nodes(files.nodes)
 
@@ -168,10 +165,7 @@ def labelled_superelement(
     """A linear body from nodal matrices; interfaces as for `read_labelled_superelement`.
 
     rigid_tolerance : as for `superelement`; None: from the resolution of the matrices
-
-    Raises
-    ------
-    ModelError   an unknown node set; as for `superelement`, with the name of the file
+    Raises ModelError for an unknown node set; as for `superelement`, with the name of the file.
     """
     if interfaces is None:
         interfaces = [connection_interface(connection) for connection in matrices.connections]
@@ -211,12 +205,9 @@ def nodal_matrices(
     entries for them (solids, in programs whose nodes always have six freedoms); otherwise nodes without such
     entries have zero rows for their rotations, which `coordinates` fixes.
 
-    Raises
-    ------
-    ModelError   freedoms of nodes that the mesh file does not define; nodes with only some of their
-                 translations; only modal coordinates, from a model with a clamped boundary; zero matrices;
-                 component 0 of a grid
-    ImportFormatError   a recovery matrix for other freedoms
+    Raises ModelError for freedoms of nodes that the mesh file does not define; nodes with only some of their
+    translations; only modal coordinates, from a model with a clamped boundary; zero matrices; component 0 of
+    a grid; ImportFormatError for a recovery matrix for other freedoms.
     """
     given = [stiffness, mass, *([] if damping is None else [damping])]
     modal = _modal_freedoms(nodes, *given)

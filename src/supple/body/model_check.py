@@ -124,8 +124,6 @@ def check_model(
 ) -> ModelCheck:
     """All findings on the nodal matrices of a body; errors are findings, except for wrong matrix sizes.
 
-    Parameters
-    ----------
     nodes           : (N, 3)
     stiffness, mass : sparse (n, n), n >= N * dofs_per_node, node by node, then modal coordinates
     n_frequencies   : number of elastic modes to compute; 0 for a fast check without modes. No modes are
@@ -134,12 +132,7 @@ def check_model(
     mesh_mass       : mass properties of the mesh, to compare with those of the matrix; None: no comparison
     rigid_tolerance : largest |K R| relative to the forces that cancel in it; above it the model is refused
     attached        : rigid pieces and constraints between nodes
-    Returns
-    -------
-    ModelCheck
-    Raises
-    ------
-    ModelError   matrices that are not square, differ in size, or are smaller than the nodes need
+    Raises ModelError for matrices that are not square, differ in size, or are smaller than the nodes need.
     """
     K, M = sparse.csc_array(stiffness, dtype=np.float64), sparse.csc_array(mass, dtype=np.float64)
     _check_sizes(len(nodes) * dofs_per_node, K, M)

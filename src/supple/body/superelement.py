@@ -105,11 +105,8 @@ def read_superelement(
     nodes : file of a dense (N, 3) array, m
     recovery, points : files of the recovery matrix (3 P, n) and of the positions (P, 3) of interior points of
         a condensed model; give both or neither
-
-    Raises
-    ------
-    ImportFormatError   a file that is not Matrix Market
-    ModelError          as for `superelement`, naming the files; only one of `recovery` and `points`
+    Raises ImportFormatError for a file that is not Matrix Market; ModelError as for `superelement`, naming
+    the files; only one of `recovery` and `points`.
     """
     positions, K, M = read_matrix(nodes).toarray(), read_matrix(stiffness), read_matrix(mass)
     interior = None

@@ -78,13 +78,9 @@ def linear_strains(
 ) -> tuple[QuadraticStrain, ...]:
     """Springs as strains; the energy of each spring is 1/2 sum_i k_i (B_i u)^2.
 
-    Parameters
-    ----------
     terms : (freedoms (n,), B (s, n), k (s,)) each; k may be negative, as in a condensed matrix
-    Returns
-    -------
-    one QuadraticStrain per group of springs with equal numbers of nodes and of rows of B; in all freedoms of
-    their nodes
+    Returns one QuadraticStrain per group of springs with equal numbers of nodes and of rows of B; in all
+    freedoms of their nodes.
     """
     alike: dict[tuple[int, int], list[tuple[IntArray, FloatArray, FloatArray]]] = {}
     for freedoms, B, k in terms:

@@ -194,17 +194,11 @@ LineSection = BeamSection | CoupledBeamSection
 class RodSection:
     """A bar that carries axial force and torsion alone.
 
-    Parameters
-    ----------
-    material : Isotropic
-    area : float                        m^2
-    J : float                           torsion constant, m^4; 0 for none
-    mass_per_length : float or None     kg/m; density times area when None
-    torsion_arm : float                 c of the shear stress c M_x / J, m; 0 to omit this stress
-
-    Raises
-    ------
-    ModelError   values that are negative or not finite; an area that is not positive
+    area : m^2
+    J : torsion constant, m^4; 0 for none
+    mass_per_length : float or None    kg/m; density times area when None
+    torsion_arm : c of the shear stress c M_x / J, m; 0 to omit this stress
+    Raises ModelError for values that are negative or not finite; an area that is not positive.
     """
 
     material: Isotropic

@@ -196,10 +196,7 @@ def parts_of_model(model: FiniteElementModel, divided: DividedMesh) -> tuple[Fin
     Each spring, mass or tie belongs to the first part that contains all of its nodes.
 
     divided : `model.mesh` in parts
-
-    Raises
-    ------
-    ModelError   a spring, mass, dashpot, tie or constraint whose nodes are not all in one part
+    Raises ModelError for a spring, mass, dashpot, tie or constraint whose nodes are not all in one part.
     """
     nodes = [part.nodes for part in divided.parts]
     beside = attached_parts(model.attached, nodes, model.mesh.node_ids, model.dofs_per_node)

@@ -33,15 +33,13 @@ FloatArray = NDArray[np.float64]
 class QuadraticStrain:
     """The strain arrays of E elements of one kind; read-only.
 
-    Parameters
-    ----------
-    dofs : int array (E, n)             nodal freedoms of each element, node by node
-    B : float array (E, g, s, n)        linear strain
-    G : float array (E, g, d, n)        displacement gradients of the quadratic strain
-    N : float array (s, d, d) or (E, g, s, d, d)    quadratic form, symmetric in its last two indices
-    D : float array (s, s) or (E, s, s)     constitutive matrix
-    w : float array (E, g)              weights: quadrature weight times Jacobian
-    enhanced : float array (E, g, s, k) or None     strains R, orthonormal in energy; None for no such strains
+    dofs : (E, n)    nodal freedoms of each element, node by node
+    B : (E, g, s, n)    linear strain
+    G : (E, g, d, n)    displacement gradients of the quadratic strain
+    N : (s, d, d) or (E, g, s, d, d)    quadratic form, symmetric in its last two indices
+    D : (s, s) or (E, s, s)    constitutive matrix
+    w : (E, g)    weights: quadrature weight times Jacobian
+    enhanced : (E, g, s, k) or None    strains R, orthonormal in energy; None for no such strains
     """
 
     dofs: NDArray[np.int64]

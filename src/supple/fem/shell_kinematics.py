@@ -56,11 +56,9 @@ Terms = Iterator[tuple[int, int, int, float]]
 class ShellKinematics:
     """Kinematics of a shell.
 
-    Parameters
-    ----------
     gradients : tuple of int            the gradients in the quadratic strain
-    form : float array (18, d, d)       N over these gradients
-    rotation_limit : float              largest rotation relative to the body's frame, rad
+    form : (18, d, d)    N over these gradients
+    rotation_limit : largest rotation relative to the body's frame, rad
     """
 
     gradients: tuple[int, ...]

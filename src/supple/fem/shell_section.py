@@ -106,25 +106,16 @@ class LaminateSection:
     N and M are forces and moments per length, eps and kappa strain and curvature of the surface of the nodes.
     The section's x axis is `reference_direction` projected onto each element, its z axis the element normal.
 
-    Parameters
-    ----------
-    membrane, coupling, bending : float array (3, 3)
-        A (N/m), B (N), D (N m), symmetric; A or D may be zero if B is zero
-    mass_per_area : float                               kg/m^2; 0 for statics alone
-    rotary_inertia_per_area : float
-        second moment of the density over the thickness, about the surface of the nodes, kg
-    reference_direction : float array (3,)
-            direction of the section's x axis; `Section.directions` replaces it
-    shear : float array (2, 2) or None
-        transverse shear stiffness, order xz, yz, N/m; None: rigid in shear
-    thickness : float or None                           m, for pictures only; None if unknown
-    mass_offset : float                     distance of the mass centre from the nodes, along the normal, m
-
-    Raises
-    ------
-    ModelError   a matrix of wrong shape, not finite or not symmetric; an A-B-D matrix (without its zero rows)
-                 or shear stiffness that is not positive definite; a negative mass or inertia; a direction
-                 without length; a thickness that is not positive
+    membrane, coupling, bending : (3, 3)    A N/m, B N, D N m, symmetric; A or D may be zero if B is zero
+    mass_per_area : kg/m^2; 0 for statics alone
+    rotary_inertia_per_area : second moment of the density over the thickness, about the nodes' surface, kg
+    reference_direction : (3,)    of the section's x axis; `Section.directions` replaces it
+    shear : (2, 2) or None    transverse shear stiffness, order xz, yz, N/m; None: rigid in shear
+    thickness : float or None    m, for pictures only; None if unknown
+    mass_offset : distance of the mass centre from the nodes, along the normal, m
+    Raises ModelError for a matrix of wrong shape, not finite or not symmetric; an A-B-D matrix (without its
+    zero rows) or shear stiffness that is not positive definite; a negative mass or inertia; a direction
+    without length; a thickness that is not positive.
     Source: R. M. Jones, Mechanics of Composite Materials, 2nd ed. (1999), eq. (4.22)-(4.24).
     """
 
