@@ -7,7 +7,7 @@ of mjModel in MuJoCo's API reference.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from supple.arguments import checked_arguments
-from supple.body import RigidBody
+from supple.body import BodyForm, RigidBody
 from supple.errors import ImportFormatError, ModelError
 from supple.machine.ends import GROUND, At
 from supple.machine.forces.bushing import Bushing
@@ -84,7 +84,7 @@ class _Group:
 def read_mujoco(
     source: str | Path,
     *,
-    bodies: Mapping[str, Any] | None = None,
+    bodies: Mapping[str, BodyForm] | None = None,
     leave_out: Collection[str] = (),
 ) -> System:
     """The machine of a URDF or MJCF file (.urdf, .xml), or of a text in these formats.
@@ -216,7 +216,7 @@ class _Reader:
         weldid = np.array(model.body_weldid)
         self.weldid = np.where(model.body_mocapid[weldid] >= 0, 0, weldid)
 
-    def label(self, addresses: Any, number: int, else_: str) -> str:
+    def label(self, addresses: Sequence[int], number: int, else_: str) -> str:
         """The name of an object in the file; `else_` for an unnamed object."""
         found = bytes(self.model.names)[addresses[number] :].split(b"\0")[0].decode()
         return found or else_
@@ -401,7 +401,7 @@ class _Reader:
             self.joints.append((Ball if kind == _CONNECT else Fixed)(first=first, second=second, name=name))
 
 
-def _placed(group: _Group, other: Any) -> Placed:
+def _placed(group: _Group, other: BodyForm | None) -> Placed:
     """The rigid body of a group, or its replacement; ModelError for a replacement that does not fit."""
     rigid = RigidBody(group.name, group.mass, group.centre, group.inertia, group.points)
     form = rigid if other is None else other

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse import sparray
 from scipy.spatial.transform import Rotation
 
 from supple.arguments import check_instance, check_members, check_numbers, check_sequence
@@ -178,7 +179,7 @@ class Placed(Summarized):
         given = (self.velocity, self.angular_velocity)
         return np.concatenate([np.zeros(3) if part is None else part for part in given])
 
-    def in_form(self, form: Any, onto: Any) -> Placed:
+    def in_form(self, form: BodyForm, onto: np.ndarray | sparray) -> Placed:
         """The placed body in another form, such as a FullBody in place of a ReducedBody.
 
         form : the new form of the body, with r' coordinates

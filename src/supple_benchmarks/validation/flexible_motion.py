@@ -67,7 +67,7 @@ def spun_up() -> Sequence[Comparison]:
     )
     solution = simulate(System([Placed(reduced)], [motor]), Run(20.0, 0.1, step=FixedStep(0.025)))
     tip = reduced.expand(solution.motion("beam", FloatingMotion).coordinates)[:, -1]
-    exact = spin_up_beam(ROTATING_BEAM, motor.angle, duration=10.0, step=0.0125, n_elements=10)
+    exact = spin_up_beam(ROTATING_BEAM, motor.law, duration=10.0, step=0.0125, n_elements=10)
     last = solution.times > 16
     return (
         Comparison(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
 
 from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import force_pair, moment_pair
+from supple.machine.laws.time_law import OverTime
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["ForceBetween", "TorqueBetween"]
@@ -19,7 +20,7 @@ __all__ = ["ForceBetween", "TorqueBetween"]
 class TorqueBetween(AxialElement):
     """A torque on the second end about an axis of the first, and its opposite on the first."""
 
-    torque: Any = 0.0
+    torque: OverTime = 0.0
     """a number or a law of time; the output of a controller adds to it"""
 
     law_field: ClassVar[str] = "torque"
@@ -34,7 +35,7 @@ class TorqueBetween(AxialElement):
 class ForceBetween(AxialElement):
     """A force on the second end along an axis of the first, and the balancing wrench on the first."""
 
-    force: Any = 0.0
+    force: OverTime = 0.0
     """a number or a law of time; the output of a controller adds to it"""
 
     law_field: ClassVar[str] = "force"

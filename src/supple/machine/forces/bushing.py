@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from numpy.typing import ArrayLike
 
 from supple.algebra.rotation import rotation_log, rotation_right_jacobian
 from supple.errors import ModelError
@@ -39,8 +39,8 @@ class Bushing(AxialElement):
 
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     x_axis: tuple[float, float, float] | None = None
-    stiffness: Any
-    damping: Any = (0.0,) * 6
+    stiffness: ArrayLike
+    damping: ArrayLike = (0.0,) * 6
     offset: tuple[float, float, float] | None = None
     """d_0, in the bushing's axes; default the offset of the ends at assembly"""
 
@@ -56,7 +56,7 @@ class Bushing(AxialElement):
         return axes_along(self.axis, hint=self.x_axis)
 
     @property
-    def parameters(self) -> tuple[Any, ...]:
+    def parameters(self) -> tuple[np.ndarray, ...]:
         """`(K, C, d_0)`."""
         offset = np.zeros(3) if self.offset is None else np.array(self.offset)
         return (np.array(self.stiffness), np.array(self.damping), offset)
@@ -94,7 +94,7 @@ def _deformation(first: Pose, second: Pose, offset: jax.Array) -> jax.Array:
     return jnp.concatenate([shift, rotation_log(first.axes.T @ second.axes)])
 
 
-def _matrix(what: str, given: Any) -> tuple[tuple[float, ...], ...]:
+def _matrix(what: str, given: ArrayLike) -> tuple[tuple[float, ...], ...]:
     """The matrix (6, 6), as tuples; ModelError unless it is symmetric and positive semidefinite."""
     array = np.asarray(given, dtype=float)
     matrix = np.diag(array) if array.shape == (6,) else array

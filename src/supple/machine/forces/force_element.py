@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 
 import jax
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.arguments import check_fields, check_ranges
 from supple.errors import ModelError
@@ -76,7 +77,7 @@ class ForceElement(ABC):
         return as_time_law(getattr(self, self.law_field)) if self.law_field else None
 
     @property
-    def parameters(self) -> tuple[Any, ...]:
+    def parameters(self) -> tuple[ArrayLike | None, ...]:
         """Numbers and arrays passed to `wrenches` and `energy`."""
         return ()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -14,6 +14,7 @@ from supple.errors import ModelError
 from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
 from supple.machine.laws.constant import Constant
+from supple.machine.laws.time_law import OverTime
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["Coulomb", "PrismaticFriction", "RevoluteFriction"]
@@ -61,7 +62,7 @@ class RevoluteFriction(AxialElement):
     width : w, rad per time; for |v| below w the friction acts as a damper
     """
 
-    moment: Any
+    moment: OverTime
     width: Positive
 
     law_field: ClassVar[str] = "moment"
@@ -93,7 +94,7 @@ class PrismaticFriction(AxialElement):
     width : w, a velocity; for |v| below w the friction acts as a damper
     """
 
-    force: Any
+    force: OverTime
     width: Positive
 
     law_field: ClassVar[str] = "force"

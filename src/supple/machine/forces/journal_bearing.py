@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from numpy.typing import ArrayLike
 
 from supple.errors import ModelError
 from supple.machine.forces.characteristic import curve_at
@@ -40,8 +40,8 @@ class JournalBearing(AxialElement):
     """
 
     x_axis: tuple[float, float, float] | None = None
-    stiffness: Any
-    damping: Any = ((0.0, 0.0), (0.0, 0.0))
+    stiffness: ArrayLike
+    damping: ArrayLike = ((0.0, 0.0), (0.0, 0.0))
     speeds: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
@@ -79,7 +79,7 @@ class JournalBearing(AxialElement):
         return axes_along(self.axis, hint=self.x_axis)
 
     @property
-    def parameters(self) -> tuple[Any, ...]:
+    def parameters(self) -> tuple[np.ndarray, ...]:
         """`(Omega (n,), K (n, 2, 2), C (n, 2, 2))`."""
         return tuple(np.array(getattr(self, name)) for name in ("speeds", "stiffness", "damping"))
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
 
 from supple.machine.forces.force_element import ForceElement
+from supple.machine.laws.time_law import OverTime
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["DeadTorque", "FollowerForce", "FollowerTorque"]
@@ -22,7 +23,7 @@ def _at_rest() -> Wrench:
 class FollowerForce(ForceElement):
     """A force that rotates with its interface."""
 
-    force: Any
+    force: OverTime
     """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
 
     law_field: ClassVar[str] = "force"
@@ -39,7 +40,7 @@ class FollowerForce(ForceElement):
 class FollowerTorque(ForceElement):
     """A torque that rotates with its interface."""
 
-    torque: Any
+    torque: OverTime
     """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
 
     law_field: ClassVar[str] = "torque"
@@ -56,7 +57,7 @@ class FollowerTorque(ForceElement):
 class DeadTorque(ForceElement):
     """A torque with a direction fixed in space."""
 
-    torque: Any
+    torque: OverTime
     """(3,) global components."""
 
     law_field: ClassVar[str] = "torque"

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
+import numpy as np
 
 from supple.machine.forces.characteristic import Curve, Surface, curve_at, surface_at
 from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, moment_pair
+from supple.machine.laws.time_law import OverTime
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["MotorCurve"]
@@ -26,13 +28,13 @@ class MotorCurve(AxialElement):
     """
 
     torque: Curve | Surface
-    command: Any = 1.0
+    command: OverTime = 1.0
 
     law_field: ClassVar[str] = "command"
     blocked_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
 
     @property
-    def parameters(self) -> tuple[Any, ...]:
+    def parameters(self) -> tuple[np.ndarray, ...]:
         """Arrays of the table."""
         return self.torque.parameters
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +13,7 @@ from supple.arguments import NotNegative
 from supple.errors import ModelError
 from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
-from supple.machine.laws.time_law import as_time_law, check_law_shape
+from supple.machine.laws.time_law import OverTime, as_time_law, check_law_shape
 from supple.machine.laws.with_rate import WithRate
 from supple.machine.pose import Parameters, Pose, Wrenches
 
@@ -64,7 +64,7 @@ class AngleServo(Servo):
     damping : c, moment per angular velocity
     """
 
-    angle: Any
+    angle: OverTime
 
     law_field: ClassVar[str] = "angle"
     blocked_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
@@ -90,7 +90,7 @@ class SlideServo(Servo):
     damping : c, force per velocity
     """
 
-    slide: Any
+    slide: OverTime
 
     law_field: ClassVar[str] = "slide"
     blocked_by: ClassVar[tuple[str, ...]] = ("position",)

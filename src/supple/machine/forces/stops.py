@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from supple.errors import ModelError
-from supple.machine.forces.force_element import AnchoredElement, AxialElement
+from supple.machine.forces.force_element import AnchoredElement, AxialElement, ForceElement
 from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
@@ -148,6 +148,6 @@ def _stored(place: jax.Array, parameters: Parameters) -> jax.Array:
     return penalty_energy(lower - place, penalty) + penalty_energy(place - upper, penalty)
 
 
-def _check_limits(stop: Any, lower: float, upper: float) -> None:
+def _check_limits(stop: ForceElement, lower: float, upper: float) -> None:
     if not lower <= upper:  # also for NaN
         raise ModelError(f"{stop.label}: lower must not be above upper, got {lower} and {upper}")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.machine.forces.characteristic import Surface, surface_at
 from supple.machine.forces.force_element import AxialElement
@@ -36,7 +36,7 @@ class TabledTorque(AxialElement):
         return abs(self.torque.x[-1] - self.torque.x[0] - 2 * np.pi) < _ONE_REVOLUTION
 
     @property
-    def parameters(self) -> tuple[Any, ...]:
+    def parameters(self) -> tuple[ArrayLike, ...]:
         """Arrays of the table, and the middle of the angle's range."""
         middle = (self.torque.x[0] + self.torque.x[-1]) / 2 if self.is_periodic else 0.0
         return (*self.torque.parameters, middle)
@@ -57,7 +57,7 @@ class TabledForce(AxialElement):
     force: Surface
 
     @property
-    def parameters(self) -> tuple[Any, ...]:
+    def parameters(self) -> tuple[ArrayLike, ...]:
         """Arrays of the table."""
         return self.force.parameters
 

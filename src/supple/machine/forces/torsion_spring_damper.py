@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 
 from supple.arguments import NotNegative
 from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, moment_pair
+from supple.machine.laws.time_law import OverTime
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["TorsionSpringDamper"]
@@ -28,7 +29,7 @@ class TorsionSpringDamper(AxialElement):
 
     stiffness: NotNegative = 0.0
     damping: NotNegative = 0.0
-    rest_angle: Any = 0.0
+    rest_angle: OverTime = 0.0
     """phi_0, angle phi without moment, rad: a number or a law of time."""
 
     law_field: ClassVar[str] = "rest_angle"

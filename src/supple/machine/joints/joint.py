@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 import numpy as np
+from numpy.typing import ArrayLike
 
 from supple.algebra.rotation import unskew
 from supple.arguments import check_fields, check_numbers
@@ -42,7 +43,7 @@ def tilt(first: Pose, second: Pose) -> jax.Array:
     return jnp.stack([-y, x])
 
 
-def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
+def axes_along(axis: ArrayLike, hint: ArrayLike | None = None) -> np.ndarray:
     """Right-handed unit axes, as columns: the third along `axis`, the first along the projection of `hint`.
 
     hint : vector that is projected on the plane normal to `axis`; default: a global axis
@@ -58,7 +59,7 @@ def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
     return np.column_stack([first, np.cross(direction, first), direction])
 
 
-def _unit(axis: Any) -> np.ndarray:
+def _unit(axis: ArrayLike) -> np.ndarray:
     """Unit vector along an axis of any length; ModelError for an axis that is zero or not finite."""
     direction = np.asarray(axis, dtype=float)
     if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
@@ -135,6 +136,6 @@ def closing(first: Pose, second: Pose) -> jax.Array:
     return first.axes.T @ (second.point - first.point)
 
 
-def stack(*equations: Any) -> jax.Array:
+def stack(*equations: jax.Array) -> jax.Array:
     """Scalars and vectors as one vector of equations."""
     return jnp.concatenate([jnp.atleast_1d(jnp.asarray(e)) for e in equations])

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
 
 from supple.machine.joints.fixed import Fixed
 from supple.machine.joints.joint import AxialJoint, closing, relative_turn, stack
-from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.laws.time_law import OverTime, TimeLaw, as_time_law
 from supple.machine.pose import Pose
 
 __all__ = ["PrescribedTranslation"]
@@ -20,7 +20,7 @@ __all__ = ["PrescribedTranslation"]
 class PrescribedTranslation(AxialJoint):
     """A fixed joint whose second end moves along an axis of the first end by a given distance over time."""
 
-    displacement: Any
+    displacement: OverTime
     """Distance from the initial configuration: a number, a law, or a function of time in `jax.numpy`."""
 
     n_constraints: ClassVar[int] = Fixed.n_constraints

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import numpy as np
@@ -11,7 +10,7 @@ from jax.typing import ArrayLike
 
 from supple.algebra import read_only
 from supple.errors import ModelError
-from supple.machine.laws.law_numbers import SmoothLaw, are_numbers
+from supple.machine.laws.law_numbers import Numbers, SmoothLaw, are_numbers
 
 __all__ = ["Constant"]
 
@@ -25,7 +24,7 @@ class Constant(SmoothLaw):
     Raises ModelError for NaN or infinite entries.
     """
 
-    value: Any
+    value: Numbers
 
     def __post_init__(self) -> None:
         if not are_numbers(self.value):

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 from jax.typing import ArrayLike
 
-from supple.machine.laws.law_numbers import SmoothLaw, are_numbers, finite
+from supple.machine.laws.law_numbers import Numbers, SmoothLaw, are_numbers, finite
 
 __all__ = ["ConstantRate"]
 
@@ -24,8 +23,8 @@ class ConstantRate(SmoothLaw):
     Raises ModelError for numbers that are not finite.
     """
 
-    rate: Any
-    start: Any = 0.0
+    rate: Numbers
+    start: Numbers = 0.0
 
     def __post_init__(self) -> None:
         if are_numbers(self.rate, self.start):

@@ -21,7 +21,11 @@ __all__ = [
 ]
 
 
-def are_numbers(*values: Any) -> bool:
+Numbers = Any
+"""A number or array of a law: a leaf of its JAX pytree, which may be a tracer."""
+
+
+def are_numbers(*values: Numbers) -> bool:
     """Whether all values are Python or NumPy numbers, lists, tuples or NumPy arrays; False for JAX arrays.
 
     Raises ArgumentError for text, dictionaries and classes.
@@ -32,7 +36,7 @@ def are_numbers(*values: Any) -> bool:
     return all(isinstance(value, (int, float, list, tuple, np.ndarray, np.generic)) for value in values)
 
 
-def finite(what: str, value: Any) -> Any:
+def finite(what: str, value: Numbers) -> Numbers:
     """The number as a float, or the numbers as a read-only array; ModelError unless all are finite."""
     check_numbers(what, value)
     array = np.asarray(value, dtype=float)
@@ -41,7 +45,7 @@ def finite(what: str, value: Any) -> Any:
     return read_only(array) if array.ndim else float(array)
 
 
-def finite_and_positive(what: str, value: Any) -> float:
+def finite_and_positive(what: str, value: Numbers) -> float:
     """The number as a float; ModelError unless it is finite and positive."""
     check_number(what, value)
     number = float(value)
@@ -50,7 +54,7 @@ def finite_and_positive(what: str, value: Any) -> float:
     return number
 
 
-def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
+def increasing_rows(times: Numbers, values: Numbers) -> tuple[np.ndarray, np.ndarray]:
     """Times (k,) and values (k, ...) of a table; ModelError unless they are finite and the times increase."""
     check_numbers("the times of a table", times)
     check_numbers("the values of a table", values)
@@ -97,7 +101,7 @@ class SmoothLaw(UnboundedLaw):
 class OfRows:
     """Base of laws given by rows at increasing `times`."""
 
-    times: Any
+    times: Numbers
 
     @property
     def begin(self) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +10,7 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from supple.machine.laws.instants import times_within
-from supple.machine.laws.law_numbers import UnboundedLaw, are_numbers, finite, finite_and_positive
+from supple.machine.laws.law_numbers import Numbers, UnboundedLaw, are_numbers, finite, finite_and_positive
 
 __all__ = ["Ramp"]
 
@@ -28,8 +27,8 @@ class Ramp(UnboundedLaw):
     Raises ModelError for a value that is not finite, or a duration that is not finite and positive.
     """
 
-    value: Any
-    duration: Any
+    value: Numbers
+    duration: Numbers
 
     def __post_init__(self) -> None:
         if are_numbers(self.value, self.duration):

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 
 from supple.machine.laws.instants import OfLaws
-from supple.machine.laws.law_numbers import are_numbers, finite
+from supple.machine.laws.law_numbers import Numbers, are_numbers, finite
 from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_shape
 
 __all__ = ["Scaled"]
@@ -26,8 +25,8 @@ class Scaled(OfLaws):
     Raises ModelError for a vector that is not finite, or a factor whose value is not one number.
     """
 
-    vector: Any
-    factor: Any
+    vector: Numbers
+    factor: Numbers
 
     def __post_init__(self) -> None:
         if are_numbers(self.vector):

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 
-from supple.machine.laws.law_numbers import SmoothLaw, are_numbers, finite
+from supple.machine.laws.law_numbers import Numbers, SmoothLaw, are_numbers, finite
 
 __all__ = ["Sine"]
 
@@ -25,8 +24,8 @@ class Sine(SmoothLaw):
     Raises ModelError for numbers that are not finite.
     """
 
-    amplitude: Any
-    frequency_hz: Any
+    amplitude: Numbers
+    frequency_hz: Numbers
 
     def __post_init__(self) -> None:
         if are_numbers(self.amplitude, self.frequency_hz):

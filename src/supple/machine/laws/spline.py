@@ -13,7 +13,7 @@ from jax.typing import ArrayLike
 
 from supple.algebra import read_only
 from supple.machine.laws.instants import rows_that_bend, times_within
-from supple.machine.laws.law_numbers import OfRows, increasing_rows
+from supple.machine.laws.law_numbers import Numbers, OfRows, increasing_rows
 
 __all__ = ["Spline"]
 
@@ -35,9 +35,9 @@ class Spline(OfRows):
     Raises ModelError for arrays of other shapes, NaN or infinite entries, or times that do not increase.
     """
 
-    times: Any
-    values: Any
-    coefficients: Any = field(init=False, repr=False)
+    times: Numbers
+    values: Numbers
+    coefficients: Numbers = field(init=False, repr=False)
     """(4, k - 1, ...) coefficients of the cubics, cubic term first; time begins at the start of a piece."""
 
     def __post_init__(self) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +10,7 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from supple.machine.laws.instants import rows_that_bend, times_within
-from supple.machine.laws.law_numbers import OfRows, are_numbers, increasing_rows
+from supple.machine.laws.law_numbers import Numbers, OfRows, are_numbers, increasing_rows
 
 __all__ = ["Table"]
 
@@ -29,8 +28,8 @@ class Table(OfRows):
     Raises ModelError for arrays of other shapes, NaN or infinite entries, or times that do not increase.
     """
 
-    times: Any
-    values: Any
+    times: Numbers
+    values: Numbers
 
     def __post_init__(self) -> None:
         if are_numbers(self.times, self.values):

@@ -6,6 +6,7 @@ cases of a batch, share one compiled program.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, Protocol, runtime_checkable
@@ -13,6 +14,7 @@ from typing import Any, Protocol, runtime_checkable
 import jax
 import jax.numpy as jnp
 import numpy as np
+import numpy.typing as npt
 from jax.typing import ArrayLike
 
 from supple.arguments import check_numbers, given
@@ -48,6 +50,10 @@ class TimeLaw(Protocol):
         ...
 
 
+OverTime = TimeLaw | Callable[[Any], Any] | npt.ArrayLike
+"""A quantity as it is given: a law, a function of time, a number or an array."""
+
+
 @dataclass(frozen=True)
 class _UsersLaw:
     """A law of a user-defined class. Its methods, and what they read, are part of the compiled program."""
@@ -75,7 +81,7 @@ jax.tree_util.register_pytree_node(
 )
 
 
-def as_time_law(value: Any) -> TimeLaw:
+def as_time_law(value: OverTime) -> TimeLaw:
     """The law of a quantity that is given as a law, a function of time, a number or an array."""
     if isinstance(value, type):  # a class such as Ramp would pass for a law below
         raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -14,7 +13,7 @@ from supple.algebra import read_only
 from supple.arguments import check_numbers
 from supple.errors import ModelError
 from supple.machine.laws.instants import OfLaws
-from supple.machine.laws.law_numbers import are_numbers
+from supple.machine.laws.law_numbers import Numbers, are_numbers
 from supple.machine.laws.sampled_law import law_samples
 from supple.machine.laws.time_law import TimeLaw, as_time_law
 
@@ -38,9 +37,9 @@ class Turning(OfLaws):
     Raises ModelError for an axis that is not a unit vector.
     """
 
-    vectors: Any
-    axis: Any
-    angle: Any
+    vectors: Numbers
+    axis: Numbers
+    angle: Numbers
 
     def __post_init__(self) -> None:
         if not are_numbers(self.axis):

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from supple.machine.laws.time_law import TimeLaw, as_time_law
+from supple.machine.laws.time_law import OverTime, TimeLaw, as_time_law
 
 __all__ = ["BaseAcceleration"]
 
@@ -19,7 +18,7 @@ class BaseAcceleration:
     not this load.
     """
 
-    acceleration: Any
+    acceleration: OverTime
     """(3,) global components: a constant, a law or a function of time."""
 
     @property

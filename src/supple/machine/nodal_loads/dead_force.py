@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from supple.arguments import check_fields, check_numbers
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, as_end
-from supple.machine.laws.time_law import check_law_kind
+from supple.machine.laws.time_law import OverTime, check_law_kind
 from supple.machine.nodal_loads.nodal_load import NodalLoad, node_numbers
 
 __all__ = ["DeadForce"]
@@ -29,7 +29,7 @@ class DeadForce(NodalLoad):
     """Name of the body; omitted if `at` is "BODY.INTERFACE"."""
     at: str | Sequence[int] | np.ndarray
     """Name of an interface of `body`, or indices (k,) of its nodes; without `body`, "BODY.INTERFACE"."""
-    force: Any
+    force: OverTime
     """(3,), the force on the interface or on each node, or (k, 3), one force per node.
 
     It is a constant, a law or a function of time.

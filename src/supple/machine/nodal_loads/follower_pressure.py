@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +12,7 @@ import numpy as np
 
 from supple.arguments import check_fields, check_numbers
 from supple.errors import ModelError
-from supple.machine.laws.time_law import check_law_kind
+from supple.machine.laws.time_law import OverTime, check_law_kind
 from supple.machine.nodal_loads.nodal_load import NodalLoad
 
 __all__ = ["FollowerPressure"]
@@ -32,7 +32,7 @@ class FollowerPressure(NodalLoad):
 
     faces: Sequence[Sequence[int]] | np.ndarray
     """Node indices of the corners, (e, 3) or (e, 4)."""
-    pressure: Any
+    pressure: OverTime
     """Pa: a constant, a law or a function of time."""
 
     law_field: ClassVar[str] = "pressure"

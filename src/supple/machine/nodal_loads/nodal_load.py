@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import numpy as np
+from numpy.typing import ArrayLike
 
 from supple.arguments import check_numbers
 from supple.errors import ModelError
@@ -69,7 +70,7 @@ class NodalLoad(ABC):
         """
 
 
-def node_numbers(label: str, nodes: Any) -> np.ndarray:
+def node_numbers(label: str, nodes: ArrayLike) -> np.ndarray:
     """Node indices (k,) as integers; ModelError unless they are a list of one or more whole numbers."""
     check_numbers(f"{label}, nodes", nodes)
     numbers = np.asarray(nodes)
