@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
 from supple.algebra import GroundedFactor, factorize_symmetric, grounded_factor
 from supple.errors import AccuracyError, ModelError
+
+MatrixLike = ArrayLike | sparse.csc_array | sparse.csr_array | sparse.coo_array
+"""A dense or sparse matrix."""
 
 SYMMETRY = 1e-9
 RIGID_NAMES = (
@@ -22,7 +23,7 @@ FREEDOM_NAMES = ("ux", "uy", "uz", "rx", "ry", "rz")
 def checked_nodal_matrix(
     body: str,
     what: str,
-    matrix: Any,
+    matrix: MatrixLike,
     nodes: NDArray[np.float64],
     dofs_per_node: int,
     n_modal: int,

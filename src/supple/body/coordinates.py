@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -270,7 +269,9 @@ class _State:
     kept: IntArray
     rest: sparse.csc_array | None
 
-    def after(self, tied: StaticallyTied, K: Any = None, M: Any = None) -> _State:
+    def after(
+        self, tied: StaticallyTied, K: sparse.csc_array | None = None, M: sparse.csc_array | None = None
+    ) -> _State:
         """The state after an elimination; K, M : matrices after the elimination, if already known."""
         T = tied.expansion
         rest = T if self.rest is None else sparse.csc_array(self.rest @ T)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from scipy import sparse
 
 from supple.algebra import read_only
 from supple.body.checks import (
+    MatrixLike,
     check_dissipates,
     check_moves_rigidly,
     check_nodes,
@@ -36,11 +37,11 @@ RIGID_TOLERANCE = 1e-9
 def free_body(
     name: str,
     nodes: NDArray[np.float64],
-    nodal_stiffness: Any,
-    nodal_mass: Any,
+    nodal_stiffness: MatrixLike,
+    nodal_mass: MatrixLike,
     *,
     dofs_per_node: int,
-    nodal_damping: Any = None,
+    nodal_damping: MatrixLike | None = None,
     n_modal: int = 0,
     recovery: Recovery | None = None,
     interfaces: tuple[RigidInterface | AveragingInterface, ...],
@@ -60,7 +61,7 @@ def free_body(
     check_nodes(name, nodes, node_ids)
     labels = np.arange(len(nodes)) if node_ids is None else node_ids
 
-    def checked(what: str, matrix: Any) -> sparse.csc_array:
+    def checked(what: str, matrix: MatrixLike) -> sparse.csc_array:
         return checked_nodal_matrix(name, what, matrix, nodes, dofs_per_node, n_modal, labels)
 
     M_nodal, K_nodal = checked("mass", nodal_mass), checked("stiffness", nodal_stiffness)

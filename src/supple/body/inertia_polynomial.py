@@ -18,11 +18,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bsr_array, csr_array, vstack
+from scipy.sparse import bsr_array, csc_array, csr_array, vstack
 
 from supple.algebra.cross import cross_matrices, cross_matrix
 
@@ -56,12 +56,12 @@ class InertiaPolynomial:
     body: FlexibleBody
 
     @property
-    def _rest(self) -> Any:
+    def _rest(self) -> csc_array | None:
         """Map from the body's coordinates to those in triples; None where they are equal."""
         return None if self.body.threes is None else self.body.threes[0]
 
     @property
-    def _mass(self) -> Any:
+    def _mass(self) -> csc_array:
         return self.body.mass if self.body.threes is None else self.body.threes[1]
 
     @property
@@ -164,7 +164,7 @@ class InertiaPolynomial:
             result += (self._spins_beside_points @ fields).reshape(result.shape)
         return self._gathered(result, 2)
 
-    def _over_blocks(self, turns: NDArray[np.float64], fields: NDArray[np.float64]) -> Any:
+    def _over_blocks(self, turns: NDArray[np.float64], fields: NDArray[np.float64]) -> NDArray[np.float64]:
         """Products of `turns` (..., 3, 3) with the momenta of the point masses for fields (n, ...).
 
         The result has the shape (..., n, ...), the leading axes from `turns`.
@@ -209,7 +209,7 @@ def _stacked(matrices: Sequence[csr_array]) -> csr_array:
 class _Blocks(NamedTuple):
     """The mass matrix in 3 x 3 blocks, each between two translations or rotations."""
 
-    mass: Any
+    mass: bsr_array
     turns: NDArray[np.bool_]
     """True for block rows that are rotations"""
     by_rotation: NDArray[np.bool_]

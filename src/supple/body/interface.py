@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -145,7 +145,7 @@ class Interface(Protocol):
         ...
 
     @property
-    def motion(self) -> Any:
+    def motion(self) -> np.ndarray | sparse.csr_array:
         """Displacement and rotation per unit coordinate of the body, (6, r), dense or sparse."""
         ...
 

@@ -70,7 +70,7 @@ class QuadraticStrainForce:
     """
 
     model: FiniteElementModel = field(repr=False)
-    expansion: Any = field(repr=False)
+    expansion: sparse.csc_array = field(repr=False)
     rigid_sets: Sequence[RigidSet] = field(default=(), repr=False)
 
     @property

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.fem import (
@@ -40,7 +40,9 @@ class MassProperties:
     inertia: FloatArray
 
 
-def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> MassProperties:
+def rigid_mass_properties(
+    mass: np.ndarray | sparse.csc_array, nodes: FloatArray, dofs_per_node: int
+) -> MassProperties:
     """Mass, centre of mass and inertia from R^T M R; the mass is the mean of those along x, y, z.
 
     Parameters

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from scipy import sparse
 from scipy.spatial import KDTree
 
 from supple.algebra import lowest_modes
-from supple.body.checks import RIGID_NAMES, SYMMETRY, freedom_label, rigid_force_ratios
+from supple.body.checks import RIGID_NAMES, SYMMETRY, MatrixLike, freedom_label, rigid_force_ratios
 from supple.body.coordinates import Coordinates, coordinates, rigid_sets
 from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.labelled_superelement import NodalMatrices
@@ -112,8 +112,8 @@ class ModelCheck:
 
 def check_model(
     nodes: FloatArray,
-    stiffness: Any,
-    mass: Any,
+    stiffness: MatrixLike,
+    mass: MatrixLike,
     *,
     dofs_per_node: int,
     n_frequencies: int = 6,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
+from supple.body.checks import MatrixLike
 from supple.body.flexible_body import FlexibleBody
 from supple.body.free_body import RIGID_TOLERANCE, free_body
 from supple.body.interface import AveragingInterface, RigidInterface
@@ -23,11 +23,11 @@ __all__ = ["read_superelement", "superelement"]
 def superelement(
     name: str,
     nodes: ArrayLike,
-    stiffness: Any,
-    mass: Any,
+    stiffness: MatrixLike,
+    mass: MatrixLike,
     *,
     dofs_per_node: int,
-    damping: Any = None,
+    damping: MatrixLike | None = None,
     interfaces: Sequence[RigidInterface | AveragingInterface] = (),
     recovery: Recovery | None = None,
     rigid_tolerance: float = RIGID_TOLERANCE,

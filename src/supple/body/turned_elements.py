@@ -13,10 +13,11 @@ solids are invariant to rotation, so for solids only the ties differ.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
 from supple.body.flexible_body import FlexibleBody
@@ -69,7 +70,7 @@ class _Piece(NamedTuple):
 
     nodes: NDArray[np.int64]
     position: Array
-    motion: Any
+    motion: csr_array
     cubic_turn: float
 
 

@@ -102,7 +102,7 @@ class Assembly:
         """Number of freedoms q."""
         return len(self.indptr) - 1
 
-    def energy(self, q: Array) -> Any:
+    def energy(self, q: Array) -> np.number:
         """Strain energy U(q), J."""
         return self.energies(q[:, None])[0]
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import linalg
+from scipy.sparse import sparray
 
 from supple.algebra import read_only
 from supple.algebra.constraint_rows import dense_rows
@@ -79,7 +80,7 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
     )
 
 
-def body_modes(body: FlexibleBody, constraint: Any, *, n_modes: int) -> BodyModes:
+def body_modes(body: FlexibleBody, constraint: ArrayLike | sparray, *, n_modes: int) -> BodyModes:
     """The lowest modes of a full body under the constraint `D q = 0`, or all if it has fewer than n_modes.
 
     constraint : D (m, n), such as the constraint of a frame or the motion of an interface

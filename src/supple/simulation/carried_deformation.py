@@ -151,7 +151,8 @@ def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
     ends = [each for each in body.interfaces if each.name in {own.name for own in now.interfaces}]
     if not ends:
         return np.zeros((now.n_coordinates, 0)), np.zeros((0, now.n_coordinates)), np.zeros((0, body.n))
-    moved = np.vstack([now.interface(each.name).motion for each in ends])
+    motions = (now.interface(each.name).motion for each in ends)
+    moved = np.vstack([each if isinstance(each, np.ndarray) else each.toarray() for each in motions])
     wanted = np.vstack([each.motion.toarray() for each in ends])
     # Rotations are multiplied by the size of the body, so that they have the unit of length.
     scale = np.tile(np.repeat([1.0, float(np.ptp(body.nodes, axis=0).max())], 3), len(ends))

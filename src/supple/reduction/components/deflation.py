@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from supple.algebra import ConstrainedFactor, RitzModes
 
@@ -27,7 +28,7 @@ class ResidualResponse(NamedTuple):
 
 
 def residual_response(
-    solver: ConstrainedFactor, mass: Any, modes: RitzModes, loads: np.ndarray
+    solver: ConstrainedFactor, mass: csc_array, modes: RitzModes, loads: np.ndarray
 ) -> ResidualResponse:
     """Static response F_r A of the truncated modes, F_r = K^-1 - Phi Lambda^-1 Phi^T.
 
