@@ -24,8 +24,6 @@ from numpy.typing import NDArray
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import BodyInterface, moves_rigidly_with
 
-__all__ = ["DEFLECTION_ERROR", "section_softness"]
-
 Array = NDArray[np.float64]
 
 DEFLECTION_ERROR = 6.0

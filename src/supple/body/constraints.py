@@ -19,8 +19,6 @@ from supple.body.massless_motion import StaticallyTied
 from supple.errors import ModelError
 from supple.fem import Constraints
 
-__all__ = ["eliminate", "together"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

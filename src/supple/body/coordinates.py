@@ -28,8 +28,6 @@ from supple.errors import AccuracyError, ModelError
 from supple.fem import Attached
 from supple.summary import place_text
 
-__all__ = ["Coordinates", "coordinates", "rigid_sets"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

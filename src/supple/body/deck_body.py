@@ -320,7 +320,10 @@ def _property(
 ) -> Isotropic | Anisotropic | HomogeneousSection | LaminateSection | BeamSection | RodSection:
     match given:
         case SolidProperty():
-            return _material(given.material)
+            material = given.material
+            if isinstance(material, AnisotropicMaterial):
+                return Anisotropic(material.elasticity, material.density)
+            return _isotropic(material)
         case ShellProperty():
             return HomogeneousSection(
                 _isotropic(given.material),
@@ -386,12 +389,6 @@ def _of_lines(material: IsotropicMaterial) -> Isotropic:
     if not -1 < nu < 0.5:
         nu, G = 0.0, G or material.youngs_modulus / (2 * (1 + nu))
     return Isotropic(material.youngs_modulus, nu, material.density, G)
-
-
-def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | Anisotropic:
-    if isinstance(material, AnisotropicMaterial):
-        return Anisotropic(material.elasticity, material.density)
-    return _isotropic(material)
 
 
 def _has_rotations(deck: Deck) -> bool:

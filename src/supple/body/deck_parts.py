@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -161,13 +161,9 @@ def _stars(deck: Deck) -> Iterator[IntArray]:
             yield nodes
     for terms in (*deck.springs, *deck.dashpots, *deck.inertias, *deck.constraints):
         order = np.argsort(terms.rows, kind="stable")
-        nodes = terms.freedoms[order] // 6
-        yield from _split(nodes, terms.rows[order])
+        bounds = np.flatnonzero(np.diff(terms.rows[order])) + 1
+        yield from np.split(terms.freedoms[order] // 6, bounds) if len(order) else ()
     for tie in deck.rigid:
         yield np.append(tie.reference, tie.nodes)
     for mean in deck.means:
         yield np.append(mean.reference, mean.nodes)
-
-
-def _split(values: IntArray, by: IntArray) -> Iterable[IntArray]:
-    return np.split(values, np.flatnonzero(np.diff(by)) + 1) if len(by) else ()

@@ -14,8 +14,6 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate.motion import FramedMotion, Motion
 
-__all__ = ["FormDefaults"]
-
 Array = NDArray[np.float64]
 
 

@@ -29,8 +29,6 @@ from supple.algebra.cross import cross_matrices, cross_matrix
 if TYPE_CHECKING:
     from supple.body.flexible_body import FlexibleBody
 
-__all__ = ["SPIN_PAIRS", "InertiaPolynomial"]
-
 SPIN_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Pairs (i, j) of angular velocity components, in the order of `by_spin`."""
 

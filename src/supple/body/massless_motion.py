@@ -21,8 +21,6 @@ from scipy import linalg, sparse
 from supple.algebra import factorize_symmetric, lowest_modes
 from supple.errors import AccuracyError, ModelError
 
-__all__ = ["StaticallyTied", "massless_motions", "tie_statically"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -21,8 +21,6 @@ from supple.integrate.motion import FloatingMotion, Motion
 if TYPE_CHECKING:
     from supple.body.body_form import BodyForm
 
-__all__ = ["CuttingPlane", "Sections", "section_loads", "sections_of_elements"]
-
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-9

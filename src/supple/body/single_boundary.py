@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from scipy import linalg, sparse
 
-__all__ = ["freed_boundary"]
-
 ROUNDING = 1e-6
 """Largest force on the boundary grid that counts as rounding, relative to that of inertia at the lowest modal
 frequency, `omega^2 M`: the grid would resist rigid motion at a thousandth of that frequency."""

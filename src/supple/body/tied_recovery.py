@@ -19,8 +19,6 @@ from supple.body.interface import Interface
 from supple.body.second_order_tie import tied_parts
 from supple.fem import Attached, RigidPiece, StressRecovery
 
-__all__ = ["InnerPiece", "inner_pieces", "tied_recovery", "with_virtual_freedoms"]
-
 Array = NDArray[np.float64]
 
 

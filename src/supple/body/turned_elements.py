@@ -30,8 +30,6 @@ from supple.fem import QuadraticStrain
 from supple.fem.node_sparsity import cell_nodes
 from supple.fem.quadratic_strain import internal_force
 
-__all__ = ["turned_force"]
-
 Array = NDArray[np.float64]
 
 
@@ -112,7 +110,7 @@ def _element_forces(block: QuadraticStrain, corners: Array, freedoms: Array) -> 
     local = local.reshape(n_elements, k, 6)
     # The moments are conjugate to the local rotation vectors. They are converted to infinitesimal rotations,
     # rotated back, and converted to the nodal rotation vectors.
-    spin = _solved(_left_jacobian(left).swapaxes(2, 3), local[..., 3:])
+    spin = np.linalg.solve(_left_jacobian(left).swapaxes(2, 3), local[..., 3:, None])[..., 0]
     moments = (_left_jacobian(freedoms[..., 3:]).swapaxes(2, 3) @ (spin @ back)[..., None])[..., 0]
     return np.concatenate([local[..., :3] @ back, moments], axis=2)
 
@@ -159,7 +157,3 @@ def _left_jacobian(phi: Array) -> Array:
     o = np.zeros_like(x)
     cross = np.stack([np.stack(row, -1) for row in ((o, -z, y), (z, o, -x), (-y, x, o))], -2)
     return np.asarray(np.eye(3) + first * cross + second * (cross @ cross), dtype=np.float64)
-
-
-def _solved(matrices: Array, vectors: Array) -> Array:
-    return np.asarray(np.linalg.solve(matrices, vectors[..., None])[..., 0], dtype=np.float64)

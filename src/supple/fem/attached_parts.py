@@ -15,8 +15,6 @@ from supple.fem.attached import Attached, Constraints, RigidPiece
 from supple.fem.mass import CellMass
 from supple.fem.quadratic_strain import QuadraticStrain
 
-__all__ = ["attached_parts", "point_masses"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

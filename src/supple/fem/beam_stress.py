@@ -9,8 +9,6 @@ from supple.fem.beam2 import BeamLine
 from supple.fem.beam_section import MX, MY, MZ, VY, VZ, BeamSection, LineSection, N, RodSection
 from supple.fem.quadratic_strain import QuadraticStrain
 
-__all__ = ["end_forces", "has_points", "stress_by_forces"]
-
 FloatArray = NDArray[np.float64]
 
 FIRST, SECOND = 0, 1

@@ -19,8 +19,6 @@ from supple.fem.shell_triangle import free_bending
 from supple.mesh import Mesh
 from supple.mesh.facet_curvature import facet_curvature
 
-__all__ = ["curvature_over_thickness", "warn_of_coarse_curvature"]
-
 FloatArray = NDArray[np.float64]
 
 COARSE = 3.0

@@ -24,8 +24,6 @@ from numpy.typing import NDArray
 from supple.fem.kirchhoff_bending import side_directions
 from supple.fem.optimal_membrane import LAST, NEXT, linear_gradients
 
-__all__ = ["bent_with_surface"]
-
 FloatArray = NDArray[np.float64]
 
 

@@ -21,8 +21,6 @@ from scipy.sparse import bsr_array, csc_array, csr_array
 from supple.fem.assembly import Assembly
 from supple.fem.quadratic_strain import QuadraticStrain
 
-__all__ = ["StrainOperator", "strain_operator"]
-
 Array = NDArray[np.float64]
 
 

@@ -104,13 +104,9 @@ def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, .
     return tuple(names[i] for i in kept), loads[kept] * np.sqrt(reference / energies[kept])[:, None]
 
 
+@np.errstate(all="ignore")  # a buckling body may overflow before the iteration ends
 def _static_responses(tensors: InternalForceTensors, loads: Array) -> Array:
     """Equilibria (k, r) under loads (k, r), all at once by Newton's method; nan without convergence."""
-    with np.errstate(all="ignore"):  # a buckling body may overflow before the iteration ends
-        return _newton(tensors, loads)
-
-
-def _newton(tensors: InternalForceTensors, loads: Array) -> Array:
     factor = linalg.cho_factor(tensors.stiffness)
 
     def size(forces: Array) -> Array:

@@ -18,8 +18,6 @@ from scipy.sparse.csgraph import connected_components
 
 from supple.reduction.tensors import number_of_coordinates
 
-__all__ = ["PairBlocks", "pair_blocks"]
-
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]

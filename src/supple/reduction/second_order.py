@@ -8,8 +8,6 @@ import numpy as np
 
 from supple.reduction.reduced_body import ReducedBody
 
-__all__ = ["second_order_beyond"]
-
 
 def second_order_beyond(body: ReducedBody, leading: int) -> ReducedBody:
     """The body without the energy of third and fourth order in d, the coordinates after the first `leading`.

@@ -5,8 +5,6 @@ from __future__ import annotations
 from supple.algebra.available_memory import available_memory, require_memory
 from supple.body import FlexibleBody
 
-__all__ = ["largest_fitting", "require_tensor_memory", "tensor_memory"]
-
 _MATRICES = 16
 """Pair matrices in memory at one time in a reduction, with margin; measured: 11 plain, 14 condensed."""
 _MATRICES_OF_DAMPING = 4

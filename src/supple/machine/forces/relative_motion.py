@@ -9,8 +9,6 @@ import jax.numpy as jnp
 
 from supple.machine.pose import Pose, Wrench
 
-__all__ = ["AxialMotion", "axial_motion", "force_pair", "moment_pair", "wrapped"]
-
 
 class AxialMotion(NamedTuple):
     """Motion of the second end about and along the first end's z axis."""

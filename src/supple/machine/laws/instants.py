@@ -10,16 +10,6 @@ import numpy as np
 from supple.machine.laws.sampled_law import sampled_instants
 from supple.machine.laws.time_law import TimeLaw
 
-__all__ = [
-    "KnownLaw",
-    "OfLaws",
-    "instants_of_law",
-    "rows_that_bend",
-    "shortest_scale_of",
-    "times_within",
-    "uneven_times",
-]
-
 BENDS = 1e-6
 """Limit of J h^n / (range of the values), above which a row is a kink.
 

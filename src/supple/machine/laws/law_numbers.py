@@ -10,17 +10,6 @@ from supple.algebra import read_only
 from supple.arguments import check_number, check_numbers, given
 from supple.errors import ArgumentError, ModelError
 
-__all__ = [
-    "OfRows",
-    "SmoothLaw",
-    "UnboundedLaw",
-    "are_numbers",
-    "finite",
-    "finite_and_positive",
-    "increasing_rows",
-]
-
-
 Numbers = Any
 """A number or array of a law: a leaf of its JAX pytree, which may be a tracer."""
 

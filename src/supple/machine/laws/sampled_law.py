@@ -18,8 +18,6 @@ import numpy as np
 
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["Jumps", "jumps", "law_samples", "sampled_instants"]
-
 BLOCK = 64 * 33
 """Largest number of times in one call of the program: 33 points of subdivision for each of 64 jumps."""
 N_SAMPLES = 8 * BLOCK - 1

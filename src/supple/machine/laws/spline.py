@@ -89,10 +89,6 @@ class Spline(OfRows):
         return np.max(beyond / np.where(size > 0, size, 1.0), axis=1, initial=0.0)
 
 
-def _leaves(law: Spline) -> tuple[tuple[Any, Any, Any], None]:
-    return (law.times, law.values, law.coefficients), None
-
-
 def _from_leaves(_: None, leaves: Any) -> Spline:
     # Without `__post_init__`, which would compute the coefficients again, from traced rows.
     law = object.__new__(Spline)
@@ -101,4 +97,6 @@ def _from_leaves(_: None, leaves: Any) -> Spline:
     return law
 
 
-jax.tree_util.register_pytree_node(Spline, _leaves, _from_leaves)
+jax.tree_util.register_pytree_node(
+    Spline, lambda law: ((law.times, law.values, law.coefficients), None), _from_leaves
+)

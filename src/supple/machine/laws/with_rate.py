@@ -11,8 +11,6 @@ from jax.typing import ArrayLike
 from supple.machine.laws.instants import OfLaws
 from supple.machine.laws.time_law import TimeLaw
 
-__all__ = ["WithRate"]
-
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,6 @@ from supple.errors import ModelError
 from supple.mesh import Mesh
 from supple.mesh.outer_faces import FACE_TRIANGLES
 
-__all__ = ["meeting_nodes", "on_faces"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

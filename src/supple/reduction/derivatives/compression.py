@@ -60,20 +60,14 @@ def compress(
     )
     relative = directions.lengths / directions.lengths.max(initial=np.finfo(float).tiny)
     n_kept = min(n, int(np.count_nonzero(relative > ROUND_OFF)))
+    missing = (
+        f"compressed derivatives {n_kept + 1} to {n} (all derivatives lie in {n_kept} directions; the "
+        f"remainder is below {ROUND_OFF:.0e} of the first direction)"
+    )
     return DerivativeColumns(
         directions.vectors[:, :n_kept],
         labels=tuple(f"compressed derivative {i + 1}" for i in range(n_kept)),
-        dropped=_not_there(n, n_kept),
+        dropped=() if n_kept == n else (missing,),
         singular_values_kept=relative[:n_kept],
         singular_values_dropped=relative[n_kept:],
-    )
-
-
-def _not_there(n: int, n_kept: int) -> tuple[str, ...]:
-    """Label of the missing columns, with the reason; empty if no column is missing."""
-    if n_kept == n:
-        return ()
-    return (
-        f"compressed derivatives {n_kept + 1} to {n} (all derivatives lie in {n_kept} directions; the "
-        f"remainder is below {ROUND_OFF:.0e} of the first direction)",
     )

@@ -107,7 +107,8 @@ def enclose_eigenvalues(
         if n_more:
             # A cluster extends beyond the trial motions, or a mode is missing from them, such as one of a
             # symmetric body without motion at the interfaces.
-            W = np.hstack([W, mean_axis.solve(_random_loads(body, n_more))])
+            random = np.random.default_rng(n_more).standard_normal((body.n, n_more))
+            W = np.hstack([W, mean_axis.solve(body.mass @ random)])
             rounds, narrowest, widened = 0, np.inf, widened + 1
     found = f"bounds {width:.1e} apart" if count is None else f"{inside} found, {count} counted"
     raise AccuracyError(
@@ -138,11 +139,6 @@ def _last_before_gap(values: np.ndarray, n_values: int) -> tuple[int, float]:
     widths = np.diff(near) / near[:-1]
     widest = int(np.argmax(widths))
     return n_values + widest, float(widths[widest])
-
-
-def _random_loads(body: FlexibleBody, n_loads: int) -> np.ndarray:
-    """Inertia loads (n, n_loads) that excite all motions."""
-    return body.mass @ np.random.default_rng(n_loads).standard_normal((body.n, n_loads))
 
 
 def _bounds(upper: np.ndarray, A2: np.ndarray, inside: int) -> tuple[float, np.ndarray, float]:
