@@ -10,8 +10,7 @@ from supple.algebra import available_memory as memory
 from supple.body import MeanAxisFrame
 from supple.errors import MemoryShortageError
 from supple.reduction import NoDerivatives, NoLoads, Rubin, project, reduce, reduction_basis
-from supple.reduction.tensor_memory import largest_fitting, tensor_memory
-from supple.reduction.tensors import CHUNK_BYTES
+from supple.reduction.tensors import CHUNK_BYTES, largest_fitting, tensor_memory
 
 
 @pytest.fixture

@@ -42,7 +42,7 @@ from supple.machine import (
     SampledController,
     System,
 )
-from supple.machine.control.controller_readings import Reading
+from supple.machine.control.controller import Reading
 from supple.reduction.condensed_inertia import condensed_gram
 from supple.value_content import UserFunction, fixed_function
 

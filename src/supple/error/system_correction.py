@@ -30,7 +30,7 @@ from supple.integrate import ErrorPart, Run, Solution, StepProgress
 from supple.machine.system import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody, quantity_distance
 from supple.reduction import ReducedBody, enrich, padded, project, reduction_basis
-from supple.reduction.tensor_memory import require_tensor_memory
+from supple.reduction.tensors import require_tensor_memory
 
 __all__ = ["Accepted", "Announce", "Problem", "correct"]
 

@@ -2,7 +2,6 @@
 
 from supple.machine.contacts import *
 from supple.machine.control.controller import *
-from supple.machine.control.controller_readings import *
 from supple.machine.ends import *
 from supple.machine.forces.actuators import *
 from supple.machine.forces.bushing import *

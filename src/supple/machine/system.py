@@ -16,8 +16,7 @@ from supple.arguments import check_instance, check_members, check_numbers, check
 from supple.body import BodyForm, FlexibleBody, FullBody
 from supple.errors import ModelError, did_you_mean
 from supple.machine.contacts import Contact, Support, SurfaceContact
-from supple.machine.control.controller import Controller, SampledController
-from supple.machine.control.controller_readings import EndReading
+from supple.machine.control.controller import Controller, EndReading, SampledController
 from supple.machine.ends import GROUND, At
 from supple.machine.forces.force_element import AxialElement, ForceElement
 from supple.machine.forces.joint_friction import JointFriction

@@ -26,7 +26,6 @@ from supple.reduction.condensation import *
 from supple.reduction.condensed_motion import *
 from supple.reduction.derivatives.compression import *
 from supple.reduction.derivatives.derivative_columns import *
-from supple.reduction.derivatives.leading_directions import *
 from supple.reduction.derivatives.modal_derivatives import *
 from supple.reduction.derivatives.pair_weights import *
 from supple.reduction.derivatives.picking import *
@@ -38,7 +37,6 @@ from supple.reduction.eigenvalues.mode_search import *
 from supple.reduction.enrichment import *
 from supple.reduction.padding_coordinates import *
 from supple.reduction.projection import *
-from supple.reduction.quartic_choice import *
 from supple.reduction.redamped import *
 from supple.reduction.reduce import *
 from supple.reduction.reduced_body import *

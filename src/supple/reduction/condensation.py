@@ -1,10 +1,11 @@
-"""Static condensation of the motion outside the columns of a basis, and the energy that it releases."""
+"""Static condensation of the motion outside the columns of a basis, its energy, and the choice of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,9 @@ from supple.reduction.bases.guyan import interface_shapes
 from supple.reduction.condensed_inertia import condensed_moments
 from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.reduction_basis import ReductionBasis
+from supple.reduction.tensors import StrainProducts
 
-__all__ = ["Condensation"]
+__all__ = ["Condensation", "CondensedQuartic", "PlainQuartic", "QuarticChoice"]
 
 Array = NDArray[np.float64]
 
@@ -216,3 +218,44 @@ def _orthonormalized(shapes: Array, stiffness: csc_array, before: Array | None =
     values, vectors = np.linalg.eigh(scaled.T @ (stiffness @ scaled))
     kept = values > smallest
     return scaled @ (vectors[:, kept] / np.sqrt(values[kept]))
+
+
+class QuarticChoice(Protocol):
+    """CondensedQuartic() or PlainQuartic()."""
+
+    def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:
+        """Strain products of the reduced body, from those of its columns alone."""
+        ...
+
+    def motion(self, left_out: Condensation) -> CondensedMotion | None:
+        """The condensed motion z; None if no motion is condensed."""
+        ...
+
+
+@dataclass(frozen=True)
+class CondensedQuartic:
+    """Motion outside the columns follows the columns statically; see `Condensation`.
+
+    The body does not lock if its basis contains the static shapes of the interfaces.
+    """
+
+    def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:
+        """Strain products of the columns, less those that the condensed motion releases."""
+        return plain.condensed(left_out.energy)
+
+    def motion(self, left_out: Condensation) -> CondensedMotion | None:
+        """The condensed motion."""
+        return left_out.motion()
+
+
+@dataclass(frozen=True)
+class PlainQuartic:
+    """The body moves in its columns alone, as in published work; it locks where they lack stiff motion."""
+
+    def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:  # noqa: ARG002
+        """The strain products of the columns, unchanged."""
+        return plain
+
+    def motion(self, left_out: Condensation) -> CondensedMotion | None:  # noqa: ARG002
+        """None."""
+        return None

@@ -10,7 +10,7 @@ import numpy as np
 from supple.algebra import mass_orthonormalize
 from supple.body import FlexibleBody, frame_projector
 from supple.errors import ModelError
-from supple.reduction.derivatives.leading_directions import leading_directions
+from supple.reduction.derivatives.compression import leading_directions
 from supple.reduction.reduction_basis import ReductionBasis, check_frame_motion
 
 __all__ = ["Enrichment", "enrich"]

@@ -11,14 +11,12 @@ from supple.body import Damping, FlexibleBody, FullBody, ModalDamping, inertia_g
 from supple.body.averaging_error import section_softness
 from supple.body.damping import damping_matrix
 from supple.errors import AccuracyError
-from supple.reduction.condensation import Condensation
+from supple.reduction.condensation import Condensation, CondensedQuartic, QuarticChoice
 from supple.reduction.locking import locking, warn_of_locking
-from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody, ReducedInterface
 from supple.reduction.reduction_basis import ReductionBasis
 from supple.reduction.reduction_report import timed
-from supple.reduction.tensor_memory import require_tensor_memory
-from supple.reduction.tensors import InternalForceTensors, strain_products
+from supple.reduction.tensors import InternalForceTensors, require_tensor_memory, strain_products
 
 __all__ = ["counted_damping", "project", "project_unchecked"]
 

@@ -12,10 +12,10 @@ from supple.fem import shear_share
 from supple.progress import with_progress_bar
 from supple.reduction.bases.linear_basis import LinearBasisRecipe
 from supple.reduction.bases.steady_loads import SteadyLoads
+from supple.reduction.condensation import CondensedQuartic, QuarticChoice
 from supple.reduction.derivatives.compression import CompressedDerivatives
 from supple.reduction.derivatives.derivative_columns import DerivativeChoice
 from supple.reduction.projection import project
-from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody
 from supple.reduction.reduction_basis import ReductionBasis, reduction_basis
 

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from supple.algebra import ReadOnlyArrays
+from supple.algebra.available_memory import available_memory, require_memory
 from supple.body.internal_force import LinearForce
 from supple.errors import ModelError
 
@@ -22,6 +23,10 @@ __all__ = ["InternalForceTensors", "internal_force_tensors", "unpack_symmetric"]
 
 # Largest work array, bytes. Measured at r = 25 and 60: larger chunks gain nothing, smaller ones are slower.
 CHUNK_BYTES = 16 * 2**20
+
+_MATRICES = 16
+"""Pair matrices in memory at one time in a reduction, with margin; measured: 11 plain, 14 condensed."""
+_MATRICES_OF_DAMPING = 4
 
 # Cosine of the angle between the strains of two pairs, above which the pairs are of one class of symmetry.
 SMALLEST_COUPLING = 1e-8
@@ -303,3 +308,36 @@ def _pair_number(r: int) -> np.ndarray:
     first, second = np.triu_indices(r)
     number[first, second] = number[second, first] = np.arange(len(first))
     return number
+
+
+def tensor_memory(r: int, *, strain_rate_damping: bool = False) -> int:
+    """Largest memory, in bytes, for building the tensors of r coordinates; grows with r⁴."""
+    n2 = r * (r + 1) // 2
+    return 8 * n2**2 * (_MATRICES + _MATRICES_OF_DAMPING * strain_rate_damping)
+
+
+def largest_fitting(memory: float, *, strain_rate_damping: bool = False) -> int:
+    """Largest number of coordinates whose tensors fit in the given memory (bytes)."""
+    r = int((memory / tensor_memory(1, strain_rate_damping=strain_rate_damping) * 4) ** 0.25) + 1
+    while r and tensor_memory(r, strain_rate_damping=strain_rate_damping) > memory:
+        r -= 1
+    return r
+
+
+def require_tensor_memory(
+    body: FlexibleBody, r: int, *, strain_rate_damping: bool = False, named: str = "columns"
+) -> None:
+    """MemoryShortageError where the tensors of r coordinates of a nonlinear body do not fit in memory.
+
+    named : noun for the r columns in the message, as the user sets their number
+    """
+    if body.is_linear:
+        return
+    left = available_memory()
+    fits = r if left is None else largest_fitting(left, strain_rate_damping=strain_rate_damping)
+    require_memory(
+        tensor_memory(r, strain_rate_damping=strain_rate_damping),
+        f"building the tensors of body '{body.name}' with {r} coordinates",
+        f"take at most {fits} {named}, or the body without its nonlinear strains (body.linearized(), "
+        "`linear = true` in a case file), which has no tensors",
+    )

@@ -1,4 +1,7 @@
-"""Controllers: their readings, their outputs, and the law between them."""
+"""Controllers: their readings, their outputs, and the law between them.
+
+They read positions and velocities; not accelerations, which depend on the outputs.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,41 @@ import numpy as np
 
 from supple.arguments import check_fields, check_instance, check_number
 from supple.errors import ModelError
-from supple.machine.control.controller_readings import EndReading, JointReading, Reading
+from supple.machine.ends import GROUND, At, as_end
 from supple.machine.forces.force_element import ForceElement
 
-__all__ = ["Controller", "SampledController"]
+__all__ = ["Controller", "EndReading", "JointReading", "SampledController"]
+
+
+@dataclass(frozen=True)
+class JointReading:
+    """`AxialMotion` of a joint: angle, rate, slide and speed, as in `JointMotionSensor`.
+
+    The angle continues beyond pi if each step rotates the joint by less than half a revolution.
+    """
+
+    joint: str
+    """Name of the joint"""
+    near: float = 0.0
+    """Angle, rad, within half a revolution of which the initial angle lies; set by `Start`"""
+
+
+@dataclass(frozen=True)
+class EndReading:
+    """`Pose` of an interface in global components: point, axes, velocity, angular velocity."""
+
+    at: At | Any
+    """"BODY.INTERFACE" or `At(body, interface)`; its axes coincide with the global axes at assembly"""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "at", as_end(self.at))
+        if self.at == GROUND:
+            raise ModelError(
+                "a controller reads the ground, which does not move: give an interface of a body"
+            )
+
+
+Reading = JointReading | EndReading
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
