@@ -129,28 +129,21 @@ class Placed(Summarized):
             ("position", place_text(self.position)),
             ("rotation vector, rad", place_text(angles)),
         ]
-        for name in ("velocity", "angular_velocity"):
-            value = getattr(self, name)
-            rows.append(
-                (
-                    name.replace("_", " "),
-                    "by the joints, or zero" if value is None else place_text(value),
-                )
-            )
+        for name, value in (("velocity", self.velocity), ("angular velocity", self.angular_velocity)):
+            rows.append((name, "by the joints, or zero" if value is None else place_text(value)))
         rows.append(("deformed", "yes" if np.any(self.coordinates) else "no"))
         return Summary(
             f"Placed body '{self.body.name}' ({self.body.kind}) at {place_text(self.position)}", rows
         )
 
     def __post_init__(self) -> None:
-        if not isinstance(self.body, FlexibleBody):  # for which the error below is raised
-            check_members("Placed, body", self.body, _BODY, "a RigidBody, a ReducedBody or a FullBody")
-        name = self.body.name
         if isinstance(self.body, FlexibleBody):
             raise ModelError(
-                f"body '{name}' is a FlexibleBody, which has no floating frame yet: place "
+                f"body '{self.body.name}' is a FlexibleBody, which has no floating frame yet: place "
                 "reduce(body, frame, basis), or FullBody(body, frame) for all freedoms"
             )
+        check_members("Placed, body", self.body, _BODY, "a RigidBody, a ReducedBody or a FullBody")
+        name = self.body.name
         for item in ("position", "velocity", "angular_velocity"):
             if item == "position" or getattr(self, item) is not None:
                 object.__setattr__(self, item, space_vector(f"{item} of body '{name}'", getattr(self, item)))
@@ -253,8 +246,8 @@ class System(Summarized):
         for item in ("bodies", "joints", "loads", "controllers", *_OF_PARTS):
             check_sequence(f"System, {item}", getattr(self, item), f"a list of {item}, also of a single one")
             object.__setattr__(self, item, tuple(getattr(self, item)))
-        placed_all = (body if isinstance(body, Placed) else Placed(body) for body in self.bodies)
-        object.__setattr__(self, "bodies", tuple(placed_all))
+        placed = (body if isinstance(body, Placed) else Placed(body) for body in self.bodies)
+        object.__setattr__(self, "bodies", tuple(placed))
         for joint in self.joints:
             check_instance(
                 "System, joints", joint, Joint, "joints such as Revolute(first=.., second=.., axis=..)"
@@ -366,7 +359,12 @@ class System(Summarized):
                     raise ModelError(f"{what}: there is no joint '{reading.joint}'{near}")
             for key, element in controller.drives.items():
                 self._check_load(element)
-                self._check_acts_once(f"{what} drives {element.label} ('{key}')", element)
+                if any(element is load for load in self.loads):
+                    raise ModelError(
+                        f"{what} drives {element.label} ('{key}'), which is also among the loads: the "
+                        "element would act twice; leave it out of loads (in a case file, remove its table "
+                        "and create it in the controller's function)"
+                    )
         drivers = [(own, element) for own in self.controllers for element in own.drives.values()]
         for number, (own, element) in enumerate(drivers):
             if any(element is other for _, other in drivers[:number]):
@@ -374,13 +372,6 @@ class System(Summarized):
                     f"controller '{own.name}' drives {element.label}, which another output drives already: "
                     "the element would act twice; give each output a separate element"
                 )
-
-    def _check_acts_once(self, what: str, element: ForceElement) -> None:
-        if any(element is load for load in self.loads):
-            raise ModelError(
-                f"{what}, which is also among the loads: the element would act twice; leave it out of "
-                "loads (in a case file, remove its table and create it in the controller's function)"
-            )
 
     def _check_moves_something(self, element: ForceElement) -> None:
         """Raise ModelError for a servo or motor whose motion a joint between the same two ends prevents."""
@@ -421,9 +412,7 @@ class System(Summarized):
     def _check_end(self, what: str, end: At) -> None:
         if end == GROUND:
             return
-        self.body_index(end.body, what)
-        body = self.bodies[self.body_index(end.body)].body
-        known = [interface.name for interface in body.interfaces]
+        known = [interface.name for interface in self.placed(end.body, what).body.interfaces]
         if end.interface not in known:
             raise ModelError(
                 f"{what}: body '{end.body}' has no interface '{end.interface}'"
@@ -431,8 +420,7 @@ class System(Summarized):
             )
 
     def _check_nodal_load(self, load: NodalLoad) -> None:
-        body = self.bodies[self.body_index(load.body, load.label)].body
-        nodes = load.nodes
+        body, nodes = self.placed(load.body, load.label).body, load.nodes
         if not nodes.size:
             self._check_end(load.label, At(load.body, str(getattr(load, "at", ""))))
         elif body.n_coordinates == 0:
@@ -449,7 +437,7 @@ class System(Summarized):
 
     def initial_point(self, end: At) -> np.ndarray:
         """Global position (3,) of an interface at assembly, where the bodies are undeformed."""
-        placed = self.bodies[self.body_index(end.body)]
+        placed = self.placed(end.body)
         position, rotation = placed.assembly
         return position + rotation @ placed.body.interface(end.interface).position
 
