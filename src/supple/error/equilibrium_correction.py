@@ -27,7 +27,7 @@ from supple.machine import Spin, System
 from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import ReducedBody, ReductionBasis, enrich, project, reduction_basis
 from supple.simulation import Equilibrium, equilibrium
-from supple.simulation.rest_limits import warn_of_rest_limits
+from supple.simulation.equilibrium import warn_of_rest_limits
 from supple.simulation.resting_state import resting_state
 from supple.simulation.turned_machine import warn_of_varying_loads
 

@@ -18,9 +18,8 @@ from supple.linearization.standing_axes import RotatingMachine, in_standing_axes
 from supple.linearization.standing_error import StandingTurn, coordinates_of_bodies, expansion
 from supple.machine import JointFriction, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
-from supple.simulation.equilibrium import warn_of_rest
+from supple.simulation.equilibrium import warn_of_rest, warn_of_rest_limits
 from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
-from supple.simulation.rest_limits import warn_of_rest_limits
 from supple.simulation.rest_stability import free_motions
 from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
 from supple.simulation.turned_machine import (
@@ -126,13 +125,12 @@ def _linearized(
         )
     known, search = known_fulls(system, fulls), search or StaticSearch()
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
-    still = found.equations.solution(found.state, time, found.iterations)
-    warn_of_rest_limits(placed_at_rest(found), still, known)
+    placed, sparse = placed_at_rest(found), None
+    warn_of_rest_limits(placed, found.solution(time), known)
     if spin is not None and spin.rate:
         refuse_other_speeds(found, time, spin)
         refuse_turning_bushings(found, spin)
     equations = found.equations.linear_equations(found.state, time)
-    placed, sparse = placed_at_rest(found), None
     if isinstance(equations, SparseEquations):
         sparse = SparseMachine(placed, spin, time, equations)
         # Whether the equations vary with the angle is seen in the slow motions.

@@ -14,13 +14,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from supple.body import BodyForm, FlexibleBody, MeanAxisFrame
+from supple.body import BodyForm, FlexibleBody, Frame, FullBody, MeanAxisFrame
 from supple.errors import ModelError
+from supple.methods.explicit import ModalSubdomain
+from supple.reduction import ReducedBody
 from supple.simulation.stored_basis import coordinates_of_nodes, stored_basis
 
 __all__ = ["Deformation", "PlacedFrame", "ProjectionLoss", "TransferredDeformation", "carried_deformation"]
@@ -87,7 +89,7 @@ def deformation_of(body: BodyForm, coordinates: Array, rates: Array) -> Deformat
 
 
 def carried_deformation(
-    then: BodyForm, state: PlacedFrame, deformation: Deformation, now: Any, nodes: Array
+    then: BodyForm, state: PlacedFrame, deformation: Deformation, now: BodyForm, nodes: Array
 ) -> TransferredDeformation:
     """The state of a body in another form or basis.
 
@@ -101,14 +103,18 @@ def carried_deformation(
     a condensed model with modal coordinates.
     """
     _check_same_mesh(now, nodes)
-    body = _flexible(now)
+    full = _in_full(now)
+    body = full.body
     coordinates_of = coordinates_of_nodes(body)
-    if _frame(then) != _frame(now) or now.kind == "full":
+    if _frame(then) != _frame(now) or isinstance(now, FullBody):
         state, deformation = _seen_from(body, _frame(now), state, deformation, coordinates_of)
     x, dx = (coordinates_of(each) for each in deformation)
-    if now.kind == "full":
+    if isinstance(full, ModalSubdomain):
+        vectors = full.vectors
+    elif isinstance(now, ReducedBody):
+        vectors = stored_basis(full, now).vectors
+    else:
         return TransferredDeformation(state, x, dx, ProjectionLoss(0.0, 0.0, 0.0, 0.0))
-    vectors = stored_basis(now.full, now).vectors if now.kind == "reduced" else now.vectors
     weighted = (body.mass @ vectors).T
     back, ends, wanted = _interfaces(now, body)
 
@@ -135,7 +141,7 @@ def carried_deformation(
         gamma,
         rates,
         ProjectionLoss(
-            rms=_norm(body, lost) / _mass(body) ** 0.5,
+            rms=_norm(body, lost) / _norm(body, body.rigid_modes[:, 0]),  # by the root of the mass
             relative=_norm(body, lost) / (_norm(body, x) or 1.0),
             rate=_norm(body, lost_rate) / (_norm(body, dx) or 1.0),
             gap=float(np.linalg.norm(gaps, axis=1).max(initial=0.0)),
@@ -143,7 +149,7 @@ def carried_deformation(
     )
 
 
-def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
+def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Array]:
     """Smallest coordinates (r, 6 p) for unit motions of p interfaces, and motions per unit coordinate.
 
     These are the motions of the interfaces per reduced coordinate (6 p, r) and per full coordinate (6 p, n).
@@ -174,7 +180,7 @@ def _following_rates(body: BodyForm, coordinates: Array, rates: Array) -> Array:
 
 def _seen_from(
     body: FlexibleBody,
-    frame: Any,
+    frame: Frame,
     state: PlacedFrame,
     deformation: Deformation,
     coordinates_of: Callable[[Array], Array],
@@ -254,30 +260,26 @@ def _check_same_mesh(now: BodyForm, nodes: Array) -> None:
     )
 
 
-def _frame(form: Any) -> Any:
+def _frame(form: BodyForm) -> Frame:
     """The frame of a form; MeanAxisFrame for explicit parts, whose modes are without rigid motion."""
     return getattr(form, "frame", MeanAxisFrame())
 
 
-def _flexible(now: Any) -> FlexibleBody:
-    if now.kind == "reduced":
-        if now.full is None:
-            raise ModelError(
-                f"body '{now.name}' was read as reduced, without the mass matrix for a projection on its "
-                "basis: reduce it here, or continue with the reduced body of the motion"
-            )
-        now = now.full
-    if now.body.n_modal:
+def _in_full(now: BodyForm) -> FullBody | ModalSubdomain:
+    full = now.full if isinstance(now, ReducedBody) else now
+    if full is None:
+        raise ModelError(
+            f"body '{now.name}' was read as reduced, without the mass matrix for a projection on its "
+            "basis: reduce it here, or continue with the reduced body of the motion"
+        )
+    if not isinstance(full, FullBody | ModalSubdomain):
+        raise ModelError(f"body '{now.name}' is {now.kind}: no deformation can be transferred; keep its form")
+    if full.body.n_modal:
         raise ModelError(
             f"body '{now.name}' is a condensed model, whose nodes do not show its modal coordinates: "
             "continue with the basis of the motion"
         )
-    return now.body
-
-
-def _mass(body: FlexibleBody) -> float:
-    along_x = body.rigid_modes[:, 0]
-    return float(along_x @ (body.mass @ along_x))
+    return full
 
 
 def _norm(body: FlexibleBody, field: Array) -> float:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
+from supple.equations.checks.validity import is_rotor, watch
 from supple.equations.static_search import StaticSearch
 from supple.errors import BasisWarning
-from supple.integrate import Solution
+from supple.integrate import FramedMotion, Solution, Validity
 from supple.machine import Spin, System
 from supple.progress import with_progress_bar
 from supple.simulation.full_rest import (
@@ -22,10 +23,8 @@ from supple.simulation.full_rest import (
     known_fulls,
     rest_errors,
 )
-from supple.simulation.rest_limits import warn_of_rest_limits
 from supple.simulation.rest_stability import is_stable
 from supple.simulation.resting_state import (
-    RestingState,
     placed_at_rest,
     resting_state,
 )
@@ -138,7 +137,7 @@ def equilibrium(
     errors = {} if full is None else rest_errors(found, known, full)
     warn_of_rest(errors)
     balanced = None if full is None or full.found is None else full.found
-    placed, still = placed_at_rest(found), _one_instant(found, time)
+    placed, still = placed_at_rest(found), found.solution(time)
     warn_of_rest_limits(placed, still, known)
     warn_of_varying_loads(found, time, spin)
     return Equilibrium(
@@ -146,7 +145,7 @@ def equilibrium(
         still,
         found.iterations,
         errors,
-        None if balanced is None else (placed_at_rest(balanced), _one_instant(balanced, time)),
+        None if balanced is None else (placed_at_rest(balanced), balanced.solution(time)),
         is_stable(found, time),
         fixes_rigid_motion(found.system, found.equations.model),
     )
@@ -169,12 +168,24 @@ def warn_of_rest(errors: Mapping[str, EquilibriumError]) -> None:
         )
 
 
+def warn_of_rest_limits(system: System, solution: Solution, stated: Container[str]) -> None:
+    """ValidityWarning of every limit of `watch` that the bodies exceed at rest or in steady rotation.
+
+    A linear body that is a rotor may have any spin: centrifugal force has no resultant in it.
+
+    system, solution : in equilibrium, with the velocities of its steady rotation
+    stated : bodies with an estimate of the basis error, which contains stiffness missing in a basis
+    """
+    monitor = watch(system, Validity())
+    peaks = monitor.peaks(solution)
+    for body in (placed.body for placed in system.bodies if placed.body.name in peaks):
+        motion = solution.motion(body.name, FramedMotion)
+        if is_rotor(body, motion, 0) if body.is_linear else body.name in stated:
+            peaks[body.name] = peaks[body.name]._replace(spin=0.0)
+    monitor.report(peaks)
+
+
 REMEDY = (
     "Let the reduction correct itself (accuracy = { relative = 1e-3 }; in Python "
     "correct_at_rest), or keep more modes"
 )
-
-
-def _one_instant(found: RestingState, time: float) -> Solution:
-    """The equilibrium as a motion with one output time."""
-    return found.equations.solution(found.state, time, found.iterations)

@@ -42,7 +42,11 @@ def place_errors(
     """
     if found.full is None:
         return {}
-    known = {name: place for name, place in places.items() if _is_known(found, place.body)}
+    known = {}
+    for name, place in places.items():
+        own, full = (system.placed(place.body).body for system in (found.system, found.full[0]))
+        if full is own or full.kind == "full":  # forms with the same places
+            known[name] = place
     exact = tracked_places(*found.full, known, bases)
     errors = {}
     for name, own in tracked_places(found.system, found.solution, known, bases).items():
@@ -50,11 +54,3 @@ def place_errors(
         deflection = own.deflection[0] - exact[name].deflection[0] if own.is_elastic else None
         errors[name] = PlaceError(position, deflection)
     return errors
-
-
-def _is_known(found: Equilibrium, body: str) -> bool:
-    """Whether the equilibrium with all coordinates has the body in a form with the same places."""
-    if found.full is None:
-        return False
-    other = found.full[0].placed(body).body
-    return other.kind == "full" or other is found.system.placed(body).body

@@ -20,7 +20,8 @@ from supple.equations.static_search import (
 from supple.equations.steady_motion import SteadyRotation
 from supple.equations.stops import laws_of
 from supple.errors import ConvergenceError, ModelError
-from supple.machine import GROUND, At, Controller, Placed, SampledController, Spin, System
+from supple.integrate import Solution
+from supple.machine import GROUND, Controller, Placed, SampledController, Spin, System
 from supple.machine.laws.time_law import check_law_covers
 from supple.simulation.equations_of import equations_of
 from supple.simulation.spin_of_joints import check_joints_permit
@@ -47,6 +48,10 @@ class RestingState(NamedTuple):
         """Poses of the bodies, in their order."""
         return self.equations.bodies_at(self.state.configuration)
 
+    def solution(self, time: float) -> Solution:
+        """The equilibrium as a motion with one output time."""
+        return self.equations.solution(self.state, time, self.iterations)
+
 
 def resting_state(
     system: System,
@@ -57,7 +62,10 @@ def resting_state(
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> RestingState:
     """The equilibrium of a machine as arrays; arguments and errors as for `equilibrium`."""
-    _check_time(system, time)
+    if not np.isfinite(time):
+        raise ModelError(f"the time of an equilibrium must be finite, got {time}")
+    for what, law in laws_of(system):
+        check_law_covers(what, law, time)
     _refuse_sampled(system)
     search = StaticSearch() if search is None else search
     turning = SteadyRotation(np.zeros((len(system.bodies), 3)), np.zeros(3))
@@ -77,10 +85,11 @@ def resting_state(
 
 def _off_axis(system: System, turning: SteadyRotation) -> str:
     """Why a free machine cannot rotate about an axis that misses its centre of mass; else ""."""
-    ends = [end for each in (*system.joints, *system.loads) for end in _ends(each)]
+    parts: list[Any] = [*system.joints, *system.loads]
+    on_ground = any(GROUND in (getattr(part, "first", None), getattr(part, "second", None)) for part in parts)
     rates = np.asarray(turning.angular_velocities)
     spins = np.flatnonzero(np.linalg.norm(rates, axis=1))
-    if not len(spins) or GROUND in ends:
+    if not len(spins) or on_ground:
         return ""
     bodies = [system.bodies[index] for index in spins]
     masses = [placed.body.mass for placed in bodies]
@@ -94,18 +103,6 @@ def _off_axis(system: System, turning: SteadyRotation) -> str:
         f"Nothing holds the rotating bodies, and the axis of the spin is {away:.3g} from their centre of "
         f"mass: give the spin the point {place_text(centre)}"
     )
-
-
-def _ends(part: Any) -> tuple[At, ...]:
-    return tuple(getattr(part, name) for name in ("first", "second") if hasattr(part, name))
-
-
-def _check_time(system: System, time: float) -> None:
-    """Raise ModelError for a time that is not finite, or at which a law has no value."""
-    if not np.isfinite(time):
-        raise ModelError(f"the time of an equilibrium must be finite, got {time}")
-    for what, law in laws_of(system):
-        check_law_covers(what, law, time)
 
 
 def _refuse_sampled(system: System) -> None:
@@ -126,7 +123,10 @@ def at_rest(placed: Placed) -> Placed:
 
 
 def placed_at_rest(found: RestingState) -> System:
-    """The system with the poses and deformation of the state, and the velocities of its steady rotation."""
+    """The system with the poses and deformation of the state, and the velocities of its steady rotation.
+
+    Its controllers begin with their states at equilibrium.
+    """
     bodies, first = [], 0
     system, (velocities, point), configuration = found.system, found.turning, found.configuration
     for index, placed in enumerate(system.bodies):
@@ -142,13 +142,9 @@ def placed_at_rest(found: RestingState) -> System:
             )
         bodies.append(resting)
         first = after
-    return replace(system, bodies=tuple(bodies), controllers=_resting(system, found))
-
-
-def _resting(system: System, found: RestingState) -> tuple[Controller | SampledController, ...]:
-    """The controllers, beginning with their states at equilibrium."""
     states = states_by_controller(found.equations.model, found.state.control)
-    return tuple(
+    controllers = tuple(
         replace(own, initial=state) if isinstance(own, Controller) else own
         for own, state in zip(system.controllers, states, strict=True)
     )
+    return replace(system, bodies=tuple(bodies), controllers=controllers)
