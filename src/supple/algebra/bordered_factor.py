@@ -19,7 +19,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.algebra.sparse_factor import SparseFactor, factorize_general, factorize_symmetric
+from supple.algebra.sparse_factor import Matrix, SparseFactor, factorize_general, factorize_symmetric
 from supple.arrays import Array
 from supple.errors import AccuracyError
 
@@ -37,7 +37,7 @@ _ROUNDING = 1e-13
 class BorderedFactor:
     """The factored system; built by `bordered_factor`."""
 
-    matrix: Any
+    matrix: sparse.csr_array
     """Matrix of the whole system, sparse (n + m + w, ..)"""
     n: int
     interior: NDArray[np.intp]
@@ -45,9 +45,9 @@ class BorderedFactor:
     factor: SparseFactor
     responses: Array
     """Negative responses of the interior to unit values of the border, (n_interior, n_border)"""
-    rows: Any
+    rows: sparse.csr_array
     """Coupling of the border to the interior, sparse"""
-    remainder: tuple[Any, Any]
+    remainder: tuple[Array, NDArray[np.intp]]
     """L U factor of the scaled Schur complement"""
     scales: tuple[Array, Array]
     """Scales of the rows and columns of the Schur complement"""
@@ -107,8 +107,8 @@ class BorderedFactor:
 
 
 def bordered_factor(
-    matrix: Any,
-    constraint: Any,
+    matrix: Matrix,
+    constraint: Matrix,
     interior: NDArray[np.intp],
     columns: Array | None = None,
     weights: Array | None = None,

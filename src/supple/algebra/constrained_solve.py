@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import linalg, sparse
 
 from supple.algebra.constraint_rows import dense_rows
-from supple.algebra.sparse_factor import DirectSolver, SparseFactor, factorize_symmetric
+from supple.algebra.sparse_factor import DirectSolver, Matrix, SparseFactor, factorize_symmetric
 from supple.arrays import Array
 from supple.errors import AccuracyError, ModelError
 
@@ -52,7 +52,7 @@ class GroundedFactor:
 
 
 def grounded_factor(
-    stiffness: Any, rigid_modes: ArrayLike | None, *, solver: DirectSolver | None = None
+    stiffness: Matrix, rigid_modes: ArrayLike | None, *, solver: DirectSolver | None = None
 ) -> GroundedFactor:
     """Factor a stiffness grounded at statically determinate freedoms.
 
@@ -116,7 +116,7 @@ class ConstrainedFactor:
     grounded: GroundedFactor
     constraint: Array = field(repr=False)
     _response: Array = field(repr=False)  # K_g^-1 D^T
-    _border: Any = field(repr=False)
+    _border: tuple[Array, NDArray[np.intp]] = field(repr=False)
     _scale: Array = field(repr=False)
 
     @property
@@ -167,7 +167,7 @@ class ConstrainedFactor:
 
 
 def constrained_factor(
-    stiffness: Any,
+    stiffness: Matrix,
     constraint: Any,
     rigid_modes: ArrayLike | None = None,
     *,
@@ -221,7 +221,7 @@ def constrained_factor(
     return factor
 
 
-def _border_factor(border: Array, m: int) -> tuple[Any, Array]:
+def _border_factor(border: Array, m: int) -> tuple[tuple[Array, NDArray[np.intp]], Array]:
     """Scale the border, as its multipliers have the units of forces and moments, and factor it.
 
     Returns the factor and the scales (m + d,). Raises ModelError for a singular border.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy import linalg, sparse
@@ -12,7 +12,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 from supple.algebra.constrained_solve import ConstrainedFactor, GroundedFactor, constrained_factor
 from supple.algebra.constraint_rows import dense_rows
 from supple.algebra.orthonormalize import mass_orthonormalize
-from supple.algebra.sparse_factor import DirectSolver, SparseFactor, factorize_symmetric
+from supple.algebra.sparse_factor import DirectSolver, Matrix, SparseFactor, factorize_symmetric
 from supple.arrays import Array
 from supple.errors import AccuracyError, ModelError
 
@@ -40,11 +40,11 @@ class Eigenpairs(NamedTuple):
 
 
 def lowest_modes(
-    stiffness: Any,
-    mass: Any,
+    stiffness: Matrix | sparse.sparray,
+    mass: Matrix | sparse.sparray,
     n_modes: int,
     *,
-    constraint: Any = None,
+    constraint: Matrix | None = None,
     grounded: GroundedFactor | None = None,
     solver: DirectSolver | None = None,
 ) -> Eigenpairs:
@@ -99,11 +99,11 @@ def lowest_modes(
 
 
 def count_below(
-    stiffness: Any,
-    mass: Any,
+    stiffness: Matrix,
+    mass: Matrix,
     value: float,
     *,
-    constraint: Any = None,
+    constraint: Matrix | None = None,
     grounded: GroundedFactor | None = None,
     solver: DirectSolver | None = None,
 ) -> int:

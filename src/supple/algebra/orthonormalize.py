@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.algebra.sparse_factor import Matrix
 from supple.arrays import Array
 from supple.errors import AccuracyError, ModelError
 
@@ -26,7 +27,7 @@ class OrthonormalBasis(NamedTuple):
 
 def mass_orthonormalize(
     vectors: ArrayLike,
-    mass: Any,
+    mass: Matrix,
     *,
     rank_tolerance: float = 1e-8,
     reference_norms: ArrayLike | None = None,
@@ -90,7 +91,7 @@ def mass_orthonormalize(
     return OrthonormalBasis(result, chosen, np.setdiff1d(np.arange(count), chosen))
 
 
-def _mass_norms(columns: Array, mass: Any) -> Array:
+def _mass_norms(columns: Array, mass: Matrix) -> Array:
     squares = np.sum(columns * (mass @ columns), axis=0)
     if np.any(squares < 0):
         worst = int(np.argmin(squares))

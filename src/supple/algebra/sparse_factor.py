@@ -12,7 +12,7 @@ from threading import Event, Thread
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
@@ -40,6 +40,10 @@ LARGEST_REFINEMENT = 1e-3
 
 # Above this size, SuperLU takes too long for three-dimensional meshes (10 minutes and more).
 LARGEST_COMFORTABLE_SUPERLU = 50_000
+
+
+Matrix = sparse.csr_array | sparse.csc_array | NDArray[Any]
+"""A sparse or dense matrix"""
 
 
 class Inertia(NamedTuple):
@@ -214,7 +218,7 @@ class SparseFactor:
         """
         return self._numbers().inertia()
 
-    def refactorize(self, matrix: Any) -> SparseFactor:
+    def refactorize(self, matrix: Matrix) -> SparseFactor:
         """Factor a matrix of the same pattern, reusing the symbolic analysis if the library allows it."""
         matrix = _square_csc(matrix)
         if matrix.shape != (self.n, self.n):
@@ -222,7 +226,7 @@ class SparseFactor:
         return _checked(lambda: self._again(matrix), matrix)
 
 
-def factorize_symmetric(matrix: Any, *, solver: DirectSolver | None = None) -> SparseFactor:
+def factorize_symmetric(matrix: Matrix, *, solver: DirectSolver | None = None) -> SparseFactor:
     """Factor a symmetric sparse matrix, definite or indefinite, and check that it is not singular.
 
     Parameters
@@ -241,7 +245,7 @@ def factorize_symmetric(matrix: Any, *, solver: DirectSolver | None = None) -> S
     return _checked(lambda: (solver or installed_solver()).symmetric(matrix), matrix)
 
 
-def factorize_general(matrix: Any, *, solver: DirectSolver | None = None) -> SparseFactor:
+def factorize_general(matrix: Matrix, *, solver: DirectSolver | None = None) -> SparseFactor:
     """Factor a sparse matrix of symmetric pattern and unsymmetric values.
 
     Arguments, result and errors are those of `factorize_symmetric`, except that `inertia` raises ModelError.
@@ -250,7 +254,7 @@ def factorize_general(matrix: Any, *, solver: DirectSolver | None = None) -> Spa
     return _checked(lambda: (solver or installed_solver()).general(matrix), matrix)
 
 
-def _square_csc(matrix: Any) -> sparse.csc_array:
+def _square_csc(matrix: Matrix) -> sparse.csc_array:
     matrix = sparse.csc_array(matrix, dtype=np.float64)
     if matrix.shape[0] != matrix.shape[1] or matrix.shape[0] == 0:
         raise ModelError(f"a matrix of shape {matrix.shape} cannot be factored; it must be square, with rows")

@@ -90,7 +90,7 @@ class Solution(Summarized):
     truncation: Mapping[str, ErrorPart] = field(default_factory=lambda: MappingProxyType({}))
     """By intrinsic body: the error due to its omitted modes, estimated at the end of the run; empty after
     `read_solution`, because result files do not contain the machine."""
-    columns: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: MappingProxyType({}))
+    columns: Mapping[str, Mapping[str, Sequence[float]]] = field(default_factory=lambda: MappingProxyType({}))
     """By elastic body: numbers that identify the columns of its basis; empty if unknown."""
 
     def summary(self) -> Summary:

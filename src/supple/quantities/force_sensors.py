@@ -145,7 +145,13 @@ class ElementEnergySensor(_OfElement):
 
 @partial(jax.jit, static_argnums=0)
 def _of_element(
-    of: UserFunction, law: Any, parameters: Any, first: Any, second: Any, times: Any, carried: Any
+    of: UserFunction,
+    law: Any,
+    parameters: Any,
+    first: Pose,
+    second: Pose,
+    times: jax.Array,
+    carried: jax.Array,
 ) -> jax.Array:
     kind: Any = of.function
 
@@ -159,7 +165,7 @@ def _of_element(
     return jax.vmap(at)(first, second, times, carried)
 
 
-def _power(end: Pose, load: Wrench) -> Any:
+def _power(end: Pose, load: Wrench) -> jax.Array:
     return load.force @ end.velocity + load.moment @ end.angular_velocity
 
 

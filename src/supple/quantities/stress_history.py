@@ -62,7 +62,7 @@ def von_mises_history(
     """
     n_nodes = len(body.nodes) if nodes is None else np.size(nodes)
     found = np.zeros((len(coordinates), n_nodes))
-    if _has_modes(body):
+    if has_modes(body):
         chosen = np.arange(n_nodes) if nodes is None else checked_nodes(nodes, len(body.nodes))
         for some in _slices_of_modes(body, model, n_nodes):
             found[:, some] = tensor_modes(STRESS, body, model, chosen[some]).von_mises(coordinates)
@@ -80,7 +80,7 @@ def tensor_blocks(
     The tensor has l layers (`StressLayers`). Every pair of a time and a node is in exactly one block. Raises
     the errors of `von_mises_history`.
     """
-    if not _has_modes(body):
+    if not has_modes(body):
         yield from _recovered(body, tensor.recovery(model), coordinates, nodes)
         return
     chosen = checked_nodes(nodes, len(body.nodes))
@@ -111,7 +111,7 @@ def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Ar
     """
     nodes = nodes_with_stress(stress_recovery(model))
     at_nodes: Callable[[Array], Array] = partial(von_mises_history, body, model, nodes=nodes)
-    if _has_modes(body) and _numbers_of_modes(body, model) * len(nodes) <= _KEPT_NUMBERS:
+    if has_modes(body) and _numbers_of_modes(body, model) * len(nodes) <= _KEPT_NUMBERS:
         at_nodes = tensor_modes(STRESS, body, model, nodes).von_mises
 
     def at_all_nodes(coordinates: Array) -> Array:
@@ -169,7 +169,7 @@ def nodes_with_stress(recovery: StressRecovery) -> IntArray:
     return np.unique(np.concatenate([section.nodes.ravel() for section in recovery.sections]))
 
 
-def _has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:
+def has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:
     return body.has_stress_modes
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol
+from typing import ClassVar, Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from supple.arguments import check_fields
 from supple.arrays import Array, IntArray
+from supple.body import BodyForm
 from supple.body.floating_kinematics import checked_nodes
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, stress_layers, stress_recovery, von_mises, von_mises_strain
@@ -20,7 +21,7 @@ from supple.machine import System
 from supple.quantities.over_nodes import Maximum, Mean, MeasuredBlock, OverNodes
 from supple.quantities.place import body_named
 from supple.quantities.reading import Channel, Located, QuantityKind, point_words
-from supple.quantities.stress_history import tensor_blocks
+from supple.quantities.stress_history import has_modes, tensor_blocks
 from supple.quantities.tensor_modes import (
     STRAIN,
     STRESS,
@@ -119,7 +120,7 @@ class _TensorSensor(ABC):
     nodes: int | Sequence[int] | IntArray
     measure: TensorMeasure = field(default_factory=VonMises)
     over: OverNodes = field(default_factory=Maximum)
-    _modes: WeakKeyDictionary[Any, TensorModes] = field(
+    _modes: WeakKeyDictionary[BodyForm, TensorModes] = field(
         default_factory=WeakKeyDictionary, init=False, repr=False
     )
 
@@ -166,9 +167,9 @@ class _TensorSensor(ABC):
         """The measure (t, N, k) at each node, in the layer of largest magnitude."""
         form, chosen = _elastic(system, self.body, self.name), self._chosen()
         coordinates = solution.motion(self.body, FramedMotion).coordinates
-        if form.has_stress_modes and form not in self._modes:
-            self._modes[form] = tensor_modes(self.tensor, form, self.model, chosen)
-        if form.has_stress_modes:
+        if has_modes(form):
+            if form not in self._modes:
+                self._modes[form] = tensor_modes(self.tensor, form, self.model, chosen)
             found = self._measured(self._modes[form].at(coordinates))
         else:
             blocks = tensor_blocks(self.tensor, form, self.model, coordinates, chosen)
@@ -247,7 +248,7 @@ class StrainSensor(_TensorSensor):
         return self.measure.of_strain(tensors)
 
 
-def _elastic(system: System, body: str, sensor: str) -> Any:
+def _elastic(system: System, body: str, sensor: str) -> BodyForm:
     form = body_named(system, body, sensor)
     if not form.n_coordinates:
         raise ModelError(f"sensor '{sensor}': body '{body}' is {form.kind}: it has no stress")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +13,7 @@ from supple.arguments import check_numbers, check_text
 from supple.arrays import Array
 from supple.errors import ModelError
 from supple.machine import System
-from supple.sensitivity.observable import observables_of
+from supple.sensitivity.observable import Observables, observables_of
 
 __all__ = ["Measurement"]
 
@@ -66,7 +65,7 @@ class Measurement:
         deviation = 1.0 if self.deviation is None else np.asarray(self.deviation)
         return np.broadcast_to(1 / deviation, np.shape(self.times))[self.known]
 
-    def column(self, system: System, observables: Any) -> int:
+    def column(self, system: System, observables: Observables) -> int:
         """Column number of the channel; ModelError for an unknown name of an observable or a channel."""
         found = observables_of(observables, system)
         if self.observable not in found:

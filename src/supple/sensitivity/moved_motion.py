@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -29,7 +27,7 @@ def displaced_states(states: State, change: StateChange, parameter: int, step: f
     carried = change.carried
     of_configuration = carried.configuration
 
-    def along(name: str) -> Any:
+    def along(name: str) -> np.ndarray:
         return getattr(states, name) + step * getattr(carried, name)[:, parameter]
 
     configuration = states.configuration

@@ -43,8 +43,8 @@ class Statistic:
     """
 
     name: str
-    sensor: Observable | Any
-    of: Callable[[Array], Any]
+    sensor: Observable
+    of: Callable[[Array], float]
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -55,7 +55,7 @@ class Statistic:
         return np.array([self.of(column) for column in columns], dtype=float)
 
 
-Observables = Sequence[Any] | Callable[[System], Sequence[Any]]
+Observables = Sequence[Observable] | Callable[[System], Sequence[Observable]]
 """Observables; if they refer to parts of the machine, a function that creates them from the machine"""
 
 
@@ -80,7 +80,7 @@ def observables_of(observables: Observables, system: System) -> dict[str, Any]:
     return {each.name: each for each in found}
 
 
-def reads_elements(observable: Any) -> bool:
+def reads_elements(observable: Observable) -> bool:
     """Whether an observable uses finite elements, whose material determines the stress."""
     return _holds(observable, (FiniteElementModel,))
 

@@ -35,6 +35,9 @@ __all__ = ["Build", "ParameterChanges", "parameter_changes"]
 Build = Callable[[Mapping[str, float]], System]
 """Function that returns the machine for parameter values by name"""
 
+StopsOfRun = tuple[np.ndarray, np.ndarray]
+"""Stops, and indices of the output times among them"""
+
 _STEP = 3e-3
 """Step, relative to a parameter's size, with truncation and rounding errors below 1e-11 of a derivative."""
 _COMPILED = {"rigid", "reduced"}
@@ -121,8 +124,7 @@ def _neighbours(build: Build, parameters: Mapping[str, float], name: str, step: 
     return Neighbours(tuple(_built(build, {**parameters, name: value}) for value in values), step)
 
 
-def _stops(system: System, run: Run) -> tuple[np.ndarray, np.ndarray]:
-    """The stops of a run, and the indices of the output times among them."""
+def _stops(system: System, run: Run) -> StopsOfRun:
     return Stops(run.times, stepping_instants([system], run)).on_the_way(float(run.times[0]), run.times[1:])
 
 
@@ -153,7 +155,7 @@ def _check_same_program(name: str, middle: _Numbers, around: Sequence[_Numbers])
         )
 
 
-def _check_same_stops(name: str, middle: Any, around: Sequence[Any]) -> None:
+def _check_same_stops(name: str, middle: StopsOfRun, around: Sequence[StopsOfRun]) -> None:
     if any(len(own[0]) != len(middle[0]) or np.any(own[1] != middle[1]) for own in around):
         raise ModelError(
             f"parameter '{name}' moves an instant at which a law of time changes across an output time, or "

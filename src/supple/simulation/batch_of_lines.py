@@ -9,7 +9,6 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -60,7 +59,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
     devices = jax.devices()
     preparing = clock.perf_counter() - began
 
-    def sent(own: range, device: Any) -> LineMarchState:
+    def sent(own: range, device: jax.Device) -> LineMarchState:
         # A shorter last chunk repeats its last case, so that all chunks use one compiled program.
         numbers = [*own, *[own[-1]] * (chunk - len(own))]
         together = jax.tree.map(lambda *leaves: np.stack(leaves), *(starts[i] for i in numbers))

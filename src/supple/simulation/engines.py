@@ -77,7 +77,7 @@ def refuse_explicit(system: System, run: Run, what: str) -> None:
         )
 
 
-def _check_controllers(system: System, factory: Any) -> None:
+def _check_controllers(system: System, factory: EngineFactory) -> None:
     if not system.controllers or factory in (CompiledEngine, _sparse_engine, _intrinsic_engine):
         return
     other = next(placed.body for placed in system.bodies if placed.body.kind in _ENGINES)

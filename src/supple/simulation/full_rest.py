@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -248,13 +247,13 @@ def _expanded(
     """All coordinates of each body at equilibrium, with the condensed motion."""
     coordinates, first = [], 0
     for placed in reduced.system.bodies:
-        body: Any = placed.body
+        body = placed.body
         own = np.asarray(reduced.configuration.coordinates[first : first + body.n_coordinates])
         first += body.n_coordinates
-        if body.name in bases:
-            following, basis = body.condensed is not None, bases[body.name]
+        if isinstance(body, ReducedBody) and body.name in bases:
+            basis = bases[body.name]
             gamma, own = own[None], basis.vectors @ own
-            if following:
+            if body.condensed is not None:
                 own = own + Condensation(fulls[body.name].body, basis).bilinear(gamma, gamma)[:, 0]
         coordinates.append(own)
     return coordinates

@@ -10,7 +10,6 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any
 
 from supple.storage import ResultFile
 
@@ -61,7 +60,7 @@ def _not_swallowed() -> Iterator[None]:
     """
     before, again = sys.unraisablehook, []
 
-    def hook(unraisable: Any) -> None:
+    def hook(unraisable: sys.UnraisableHookArgs) -> None:
         if not isinstance(unraisable.exc_value, INTERRUPTIONS):
             before(unraisable)
             return

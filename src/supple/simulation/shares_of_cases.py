@@ -45,7 +45,7 @@ class SharesOfCases:
     alone: bool
     """Whether the program computes one case, so that its result has no axis of cases."""
 
-    def of_each(self, share: int, result: Any) -> Iterator[tuple[int, State, State]]:
+    def of_each(self, share: int, result: tuple[State, State]) -> Iterator[tuple[int, State, State]]:
         """Number, last state and states at the stops of each case of a share."""
         for place, number in enumerate(self.cases[share]):
             last, states = result if self.alone else jax.tree.map(lambda leaf, i=place: leaf[i], result)
@@ -93,12 +93,12 @@ def _mapped(
 
 
 def _march_of_cases(
-    first: Model, differing: list[Any], settings: Controls, states: State, stops: Any
+    first: Model, differing: list[jax.Array | None], settings: Controls, states: State, stops: jax.Array
 ) -> tuple[State, State]:
     """The run, mapped over cases. Where `differing` has None, a case's model has the number of `first`."""
     leaves, structure = jax.tree.flatten(first)
 
-    def of_case(own: list[Any], state: State) -> tuple[State, State]:
+    def of_case(own: list[jax.Array | None], state: State) -> tuple[State, State]:
         chosen = [shared if each is None else each for shared, each in zip(leaves, own, strict=True)]
         return COMPILED_MARCH(jax.tree.unflatten(structure, chosen), settings, state, stops)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,15 @@ from supple.body import BodyForm
 from supple.equations.control_start import kept_states
 from supple.errors import BasisWarning, ModelError, StartWarning, did_you_mean
 from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution
-from supple.machine import Contact, Controller, JointReading, Placed, SurfaceContact, System
+from supple.machine import (
+    Contact,
+    Controller,
+    JointReading,
+    Placed,
+    SampledController,
+    SurfaceContact,
+    System,
+)
 from supple.machine.obstacles import is_moving, moved
 from supple.methods.explicit import OBSTACLES
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
@@ -30,6 +37,8 @@ from supple.simulation.equilibrium import LARGEST_ERROR
 from supple.simulation.recorded_columns import are_same_columns, measured_columns
 
 __all__ = ["Start", "StartedMachine"]
+
+AnyController = Controller | SampledController
 
 SAME_TIME = 1e-6
 """Largest difference of the start time from an output time, relative to the smallest output step."""
@@ -245,7 +254,7 @@ class Start:
             for each in system.contacts
         )
 
-    def _goes_on(self, controller: Any) -> Any:
+    def _goes_on(self, controller: AnyController) -> AnyController:
         """The controller with its states and joint angles at the end of the motion, if the start is there.
 
         If the start is at an earlier time, the controller is unchanged.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -25,6 +25,7 @@ from supple.machine import (
     System,
 )
 from supple.machine.laws.with_rate import WithRate
+from supple.machine.system import Load
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equations_of import equations_of
 from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest
@@ -111,7 +112,7 @@ def _spans_speeds(part: Joint | ForceElement, found: RestingState, turning: np.n
     return _turns(part.first, found, turning) != _turns(part.second, found, turning)
 
 
-def _turns(end: At | Any, found: RestingState, turning: np.ndarray) -> bool:
+def _turns(end: At, found: RestingState, turning: np.ndarray) -> bool:
     return end != GROUND and bool(turning[found.system.body_index(end.body)])
 
 
@@ -179,7 +180,7 @@ def _turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> Sy
         sense = np.sign(np.dot(joint.axis, spin.axis)) * (float(second) - float(first))
         return replace(joint, angle=float(joint.law(time)) + sense * angle)
 
-    def followed_on(load: Any) -> Any:
+    def followed_on(load: Load) -> Load:
         if not isinstance(load, AngleServo) or not _spans_speeds(load, found, turning):
             return load
         value, rate = map(float, load.law(time))
