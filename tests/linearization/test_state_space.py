@@ -194,6 +194,11 @@ def test_what_cannot_be_asked_is_refused(oscillator):
         random_response(response, [1.0])
     with pytest.raises(ModelError, match="negative"):
         random_response(response, [1.0, -1.0])
+    with pytest.raises(ModelError, match="ascending order"):
+        random_response(frequency_response(space, [2.0, 1.0]), [1.0, 1.0])
+    two = frequency_response(state_space(oscillator, inputs=[PUSH, PUSH], outputs=[PUSH]), [1.0, 2.0])
+    with pytest.raises(ModelError, match="must be Hermitian"):
+        random_response(two, np.tile([[1.0, 0.5], [0.0, 1.0]], (2, 1, 1)))
 
 
 def test_a_constant_force_on_a_free_beam_has_no_static_response():

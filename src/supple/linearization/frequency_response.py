@@ -109,10 +109,13 @@ def random_response(response: FrequencyResponse, density: ArrayLike) -> RandomRe
     for the densities S_u of the inputs and S_z of the outputs; the integral is over the given frequencies.
 
     density : S_u, (nf,), uncorrelated and equal at all inputs, or (nf, ni, ni)     one-sided, per rad/s
-    Raises ModelError for another shape, or a density that is negative or not finite.
+    Raises ModelError for another shape, a density that is negative, not Hermitian or not finite, and for
+    frequencies that do not ascend.
     Source: [Bendat2010] chapter 7.
     """
     h = response.transfer
+    if not (np.diff(response.angular_frequencies) > 0).all():
+        raise ModelError("the integral over the frequencies needs them in ascending order, each once")
     given = np.asarray(density)
     if given.shape == (len(h),):
         given = given[:, None, None] * np.eye(h.shape[2])
@@ -121,6 +124,8 @@ def random_response(response: FrequencyResponse, density: ArrayLike) -> RandomRe
             f"the spectral density must have the shape ({len(h)},) or ({len(h)}, {h.shape[2]}, {h.shape[2]}) "
             f"and finite values, got {np.shape(density)}"
         )
+    if abs(given - np.conj(np.swapaxes(given, 1, 2))).max() > 1e-12 * abs(given).max():
+        raise ModelError("a spectral density of several inputs must be Hermitian: S_jk = conj(S_kj)")
     if np.linalg.eigvalsh(given).min() < -1e-12 * abs(given).max():
         raise ModelError("a spectral density must not be negative")
     out = h @ given @ np.conj(np.swapaxes(h, 1, 2))
