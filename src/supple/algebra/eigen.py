@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import linalg, sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
@@ -44,7 +45,7 @@ def lowest_modes(
     mass: Matrix | sparse.sparray,
     n_modes: int,
     *,
-    constraint: Matrix | None = None,
+    constraint: ArrayLike | sparse.sparray | None = None,
     grounded: GroundedFactor | None = None,
     solver: DirectSolver | None = None,
 ) -> Eigenpairs:
@@ -103,7 +104,7 @@ def count_below(
     mass: Matrix,
     value: float,
     *,
-    constraint: Matrix | None = None,
+    constraint: ArrayLike | sparse.sparray | None = None,
     grounded: GroundedFactor | None = None,
     solver: DirectSolver | None = None,
 ) -> int:
