@@ -30,23 +30,13 @@ from supple.aero import (
 )
 from supple.body import (
     FlexibleBody,
-    Frame,
     FullBody,
-    MeanAxisFrame,
-    NodalFixedFrame,
     RayleighDamping,
     RigidInterface,
     flexible_body,
     rayleigh_from_ratios,
 )
-from supple.fem import (
-    GREEN_LAGRANGE,
-    VON_KARMAN,
-    HomogeneousSection,
-    Isotropic,
-    ShellKinematics,
-    shell_model,
-)
+from supple.fem import GREEN_LAGRANGE, HomogeneousSection, Isotropic, ShellKinematics, shell_model
 from supple.importers import NREL5MW_WEBS, WU2019_GRID, nrel5mw_rotor, nrel5mw_stations
 from supple.importers.turbine.nrel5mw import HUB_HEIGHT, HUB_RADIUS
 from supple.integrate import Solution
@@ -64,11 +54,10 @@ from supple.machine.laws.spin_up import SpinUp
 from supple.mesh import BladeGrid, Mesh, loft_blade
 from supple.quantities import displacement_from_axes, node_positions
 from supple.reduction import ReducedBody
+from supple_benchmarks.compared_models import ROOT, turned_axes
 
 __all__ = [
     "CASES",
-    "FRAMES",
-    "KINEMATICS",
     "PAPER_SPEED",
     "RATED",
     "Blade",
@@ -82,9 +71,6 @@ __all__ = [
 Array = NDArray[np.float64]
 
 BODY = "blade"
-ROOT = "root"
-FRAMES: dict[str, Frame] = {"nodal-fixed": NodalFixedFrame(ROOT), "mean-axis": MeanAxisFrame()}
-KINEMATICS: dict[str, ShellKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 SECTION = HomogeneousSection(Isotropic(61.13e9, 0.3, 1474.9), 0.02)
 """Gives a mass of 17 740 kg, and a first frequency of 0.675 Hz within 0.7 %. The frequency of a thin wall
@@ -152,6 +138,11 @@ class Blade:
         nodes = np.asarray(self.mesh.nodes_of("leading_edge"))
         return nodes[np.argsort(self.mesh.nodes[nodes, 2])]
 
+    def mean_wind(self, case: BladeCase) -> Array:
+        """Mean wind load on the nodes of the leading edge, N, in the root's axes, (k, 3)."""
+        after = round(case.start / LOAD_STEP)
+        return self.loads(case, _MEAN_OVER).forces[after:].mean(axis=0)
+
     def steady_load(self, body: FlexibleBody, case: BladeCase) -> Array:
         """Mean wind load and centrifugal load.
 
@@ -160,8 +151,7 @@ class Blade:
         array (n_nodal, 2)      wind, centrifugal
         """
         wind = np.zeros((len(body.nodes), body.dofs_per_node))
-        after = round(case.start / LOAD_STEP)
-        wind[self.leading_edge, :3] = self.loads(case, _MEAN_OVER).forces[after:].mean(axis=0)
+        wind[self.leading_edge, :3] = self.mean_wind(case)
         outwards = np.zeros_like(wind)
         outwards[:, 1] = body.nodes[:, 1]
         outwards[:, 2] = body.nodes[:, 2] + HUB_RADIUS
@@ -232,13 +222,5 @@ def tip_motion(blade: Blade, case: BladeCase, body: FullBody | ReducedBody, solu
     positions = node_positions(body, solution.bodies[BODY], tip).mean(axis=1)
     rest = body.nodes[tip].mean(axis=0) + np.array([0.0, 0.0, HUB_RADIUS])
     axis = [0.0, 0.0, -HUB_RADIUS]
-    seen = displacement_from_axes(positions, axis, _root_axes(case, solution.times), rest)
+    seen = displacement_from_axes(positions, axis, turned_axes(AXIS, case.spin(solution.times)), rest)
     return TipMotion(solution.times, *seen.T)
-
-
-def _root_axes(case: BladeCase, times: Array) -> Array:
-    """Axes (t, 3, 3) that rotate with the root, as columns."""
-    angle = np.asarray(case.spin(times))
-    cosine, sine, zero, one = np.cos(angle), np.sin(angle), 0 * angle, 1 + 0 * angle
-    rows = [[one, zero, zero], [zero, cosine, -sine], [zero, sine, cosine]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

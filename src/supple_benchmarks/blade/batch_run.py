@@ -10,10 +10,10 @@ import jax
 import numpy as np
 
 from supple.errors import AccuracyError
-from supple.integrate import FloatingMotion, Run
+from supple.integrate import FloatingMotion
 from supple.reduction import ReducedBody
 from supple.simulation import simulate, simulate_batch
-from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES
+from supple_benchmarks.blade.full_run import run_of
 from supple_benchmarks.nrel5mw_blade import BODY, Blade, BladeCase
 from supple_benchmarks.progress import Progress
 
@@ -28,8 +28,8 @@ class BatchRun:
 
     seconds : time of the batch after compilation; single_seconds : mean time of a case alone
     total_seconds : time of the batch with compilation
-    difference : largest difference of the coordinates between a case in the batch and the same case alone,
-        over the largest coordinate, for the `checked` cases that are also run alone
+    largest_difference : of the coordinates between a case in the batch and the same case alone, over the
+        largest coordinate, for the cases that are also run alone
     """
 
     cases: int
@@ -38,8 +38,8 @@ class BatchRun:
     seconds: float
     single_seconds: float
     total_seconds: float
-    difference: float
-    checked: int
+    largest_difference: float
+    cases_checked_alone: int
     device: str
 
     @property
@@ -64,7 +64,7 @@ def run_batch(
     AccuracyError       a case in the batch differs from the same case alone
     """
     systems = [blade.system(body, case, blade.loads(case, duration, seed=seed)) for seed in seeds]
-    run = Run(duration, OUTPUT_STEP, step=STEP, tolerances=TOLERANCES)
+    run = run_of(duration)
     began = perf_counter()
     together = simulate_batch(systems, run, progress=lambda share: progress(0.8 * share)).check()
     total = perf_counter() - began
@@ -91,7 +91,7 @@ def run_batch(
         seconds=together.seconds,
         single_seconds=float(np.mean(seconds)),
         total_seconds=total,
-        difference=max(differences),
-        checked=len(checked),
+        largest_difference=max(differences),
+        cases_checked_alone=len(checked),
         device=jax.devices()[0].platform,
     )

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from supple.body import FlexibleBody, FullBody, RayleighDamping
 from supple.error import ReductionStart, Round, SelfCorrection, SelfCorrectionError, self_correct
-from supple.integrate import Run
 from supple.reduction import AmplitudeProduct, CompressedDerivatives, CraigBampton, StaticLoad
-from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun
+from supple_benchmarks.blade.full_run import FullRun, run_of
 from supple_benchmarks.blade.reduced_run import error_against
-from supple_benchmarks.nrel5mw_blade import FRAMES, Blade, BladeCase
+from supple_benchmarks.compared_models import FRAMES
+from supple_benchmarks.nrel5mw_blade import Blade, BladeCase
 from supple_benchmarks.progress import Progress
 
 __all__ = ["CorrectedRun", "correct_blade"]
@@ -62,8 +62,7 @@ def correct_blade(
             CompressedDerivatives(5, weights=wind),
         )
         system = blade.system(FullBody(body, FRAMES[frame], damping), case, loads)
-        run = Run(duration, OUTPUT_STEP, step=STEP, tolerances=TOLERANCES)
-        self_correct(system, run, start, announce=finished)
+        self_correct(system, run_of(duration), start, announce=finished)
         reached = True
     except SelfCorrectionError:
         # An error that is not reached is a result of this benchmark, and is reported.

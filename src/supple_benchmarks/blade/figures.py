@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.integrate import FloatingMotion
 from supple.mesh import skin_of
-from supple.quantities import node_positions, stress_modes
+from supple.quantities import displacement_from_axes, node_positions, stress_modes
 from supple.reduction import CraigBampton, modal_derivatives, rayleigh_ritz
 from supple.units import SI
 from supple.viz import (
@@ -30,7 +30,8 @@ from supple.viz import (
 )
 from supple_benchmarks.blade.full_run import FullRun
 from supple_benchmarks.blade.run import BladeRun
-from supple_benchmarks.nrel5mw_blade import BODY, FRAMES, ROOT, TipMotion
+from supple_benchmarks.compared_models import FRAMES, ROOT, turned_axes
+from supple_benchmarks.nrel5mw_blade import AXIS, BODY, TipMotion
 from supple_benchmarks.progress import Progress
 
 __all__ = ["animation", "draw_figures"]
@@ -55,7 +56,8 @@ def draw_figures(run: BladeRun, folder: Path) -> list[Path]:
         reduced = [each for each in run.reduced if each.case == case]
         for frame in FRAMES:
             own = [each for each in reduced if each.basis.frame == frame]
-            curves = [(f"full, {frame}", each.tip) for each in full if _is_reference(each, frame)]
+            reference = run.full_of(case, frame)
+            curves = [(f"full, {frame}", reference.tip)] if reference else []
             curves += [(each.basis.label, each.tip) for each in own]
             end = min(tip.times[-1] for _, tip in curves)
             pictures.append(_plot_tips(folder / f"figure_11_reduced_{tag}_{frame}.png", curves, end))
@@ -102,11 +104,6 @@ def _draw_shapes(run: BladeRun, folder: Path) -> list[Path]:
             **look,
         ),
     ]
-
-
-def _is_reference(full: FullRun, frame: str) -> bool:
-    wanted = full.case
-    return wanted.frame == frame and not wanted.linear and wanted.kinematics == "green-lagrange"
 
 
 def _full_tips(full: Sequence[FullRun]) -> list[tuple[str, TipMotion]]:
@@ -170,10 +167,8 @@ def animation(run: BladeRun, path: Path, progress: Progress) -> Path:
     )
     still = motion.at(rows)
     positions = node_positions(body, still)
-    angle = np.asarray(corrected.case.spin(solution.times[rows]))
-    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    x, y, z = np.moveaxis(positions - body.interface(ROOT).position, -1, 0)
-    seen = np.stack([x, cosine * y + sine * z, cosine * z - sine * y], axis=-1)
+    axes = turned_axes(AXIS, corrected.case.spin(solution.times[rows]))
+    seen = displacement_from_axes(positions, body.interface(ROOT).position, axes, np.zeros(3))
     assert run.body.model is not None  # a lofted blade has its elements
     stress = stress_modes(body, run.body.model).von_mises(still.coordinates)
     return animate(

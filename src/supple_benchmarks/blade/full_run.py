@@ -9,15 +9,21 @@ from pathlib import Path
 from supple.body import FlexibleBody, FullBody, RayleighDamping
 from supple.integrate import FixedStep, Run, Solution, Tolerances
 from supple.simulation import simulate_recorded
-from supple_benchmarks.nrel5mw_blade import FRAMES, Blade, BladeCase, TipMotion, tip_motion
+from supple_benchmarks.compared_models import FRAMES
+from supple_benchmarks.nrel5mw_blade import Blade, BladeCase, TipMotion, tip_motion
 from supple_benchmarks.progress import Progress
 
-__all__ = ["OUTPUT_STEP", "STEP", "TOLERANCES", "FullCase", "FullRun", "run_full"]
+__all__ = ["FullCase", "FullRun", "run_full", "run_of"]
 
 STEP = FixedStep(0.02)
 TOLERANCES = Tolerances(residual=1e-6)
 OUTPUT_STEP = 0.1
 """s; every fifth step is stored: the modes with most of the motion are below 3 Hz."""
+
+
+def run_of(duration: float) -> Run:
+    """The run of every model of the blade, of a duration in s."""
+    return Run(duration, OUTPUT_STEP, step=STEP, tolerances=TOLERANCES)
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,11 @@ class FullCase:
     kinematics: str
     linear: bool
     duration: float
+
+    @property
+    def is_reference(self) -> bool:
+        """Whether reduced runs are compared with it: nonlinear, with Green-Lagrange strains."""
+        return not self.linear and self.kinematics == "green-lagrange"
 
     @property
     def label(self) -> str:
@@ -67,7 +78,7 @@ def run_full(
     name = wanted.label.replace(", ", "_").replace(" ", "-")
     solution = simulate_recorded(
         blade.system(full, wanted.case, blade.loads(wanted.case, wanted.duration)),
-        Run(duration=wanted.duration, output_step=OUTPUT_STEP, step=STEP, tolerances=TOLERANCES),
+        run_of(wanted.duration),
         folder / f"full_{name}.h5",
         case=json.dumps({**asdict(wanted), "grid": asdict(blade.grid), "step": STEP.size}),
         progress=progress,

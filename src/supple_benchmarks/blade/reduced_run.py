@@ -3,55 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
 
-from supple.body import FlexibleBody, FullBody, RayleighDamping
-from supple.integrate import Run, Solution
+from supple.body import FlexibleBody, FullBody
+from supple.integrate import Solution
 from supple.reduction import (
     AmplitudeProduct,
     CompressedDerivatives,
-    CraigBampton,
-    DerivativeChoice,
-    LinearBasisRecipe,
     NoDerivatives,
     PickedDerivatives,
     ReducedBody,
-    Rubin,
     StaticCorrection,
     StaticLoad,
 )
 from supple.results import MotionError, motion_error
-from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun
-from supple_benchmarks.compared_tensors import reduce_to_compare
-from supple_benchmarks.nrel5mw_blade import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
+from supple_benchmarks.blade.full_run import FullRun, run_of
+from supple_benchmarks.compared_models import FixedBasis, linear_basis, until_early_end
+from supple_benchmarks.nrel5mw_blade import BODY, Blade, BladeCase, TipMotion, tip_motion
 from supple_benchmarks.progress import Progress
-from supple_benchmarks.until_early_end import until_early_end
 
-__all__ = ["FixedBasis", "ReducedRun", "bases_of", "error_against", "reduce_blade", "run_reduced"]
-
-
-@dataclass(frozen=True, eq=False)
-class FixedBasis:
-    """A basis of fixed size, and its names and numbers in the report."""
-
-    frame: str
-    recipe: LinearBasisRecipe
-    name: str
-    derivatives: DerivativeChoice
-    derivatives_name: str
-    tensors: str
-    n_linear: int
-    n_added: int
-
-    @property
-    def label(self) -> str:
-        """Label for tables and legends."""
-        if not self.n_added:
-            return f"{self.name} {self.n_linear}"
-        plain = ", plain" if self.tensors == "plain" else ""
-        return f"{self.name} {self.n_linear}+{self.n_added} {self.derivatives_name}{plain}"
+__all__ = ["ReducedRun", "bases_of", "error_against", "run_reduced"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,38 +56,18 @@ def bases_of(
     loads = blade.steady_load(body, case)
     wind = AmplitudeProduct(StaticLoad(loads[:, 0]))
     both = AmplitudeProduct(StaticLoad(loads.sum(axis=1)))
-
-    def linear(n_columns: int) -> LinearBasisRecipe:
-        return CraigBampton(n_modes=n_columns) if frame == "nodal-fixed" else Rubin(n_columns=n_columns)
-
-    name = "CB" if frame == "nodal-fixed" else "Rubin"
-    corrected = StaticCorrection(linear(8), loads)
+    linear, name = linear_basis(frame, 10), "CB" if frame == "nodal-fixed" else "Rubin"
+    many, corrected = linear_basis(frame, n_linear), StaticCorrection(linear_basis(frame, 8), loads)
     picked = PickedDerivatives(15, criterion=wind)
     compressed = CompressedDerivatives(15, weights=wind)
     beyond = PickedDerivatives(15, criterion=both)
     return (
-        FixedBasis(frame, linear(10), name, picked, "picked", "condensed", 10, 15),
-        FixedBasis(frame, linear(10), name, compressed, "compressed", "condensed", 10, 15),
-        FixedBasis(frame, linear(10), name, picked, "picked", "plain", 10, 15),
-        FixedBasis(frame, linear(n_linear), name, NoDerivatives(), "none", "plain", n_linear, 0),
+        FixedBasis(frame, linear, name, picked, "picked", "condensed", 10, 15),
+        FixedBasis(frame, linear, name, compressed, "compressed", "condensed", 10, 15),
+        FixedBasis(frame, linear, name, picked, "picked", "plain", 10, 15),
+        FixedBasis(frame, many, name, NoDerivatives(), "none", "plain", n_linear, 0),
         FixedBasis(frame, corrected, f"{name}+static", beyond, "picked", "condensed", 10, 15),
     )
-
-
-def reduce_blade(
-    body: FlexibleBody, basis: FixedBasis, damping: RayleighDamping
-) -> tuple[ReducedBody, float]:
-    """The reduced blade and the time of the reduction in seconds."""
-    began = perf_counter()
-    reduced = reduce_to_compare(
-        body,
-        FRAMES[basis.frame],
-        basis.recipe,
-        derivatives=basis.derivatives,
-        tensors=basis.tensors,
-        damping=damping,
-    )
-    return reduced, perf_counter() - began
 
 
 def run_reduced(
@@ -131,7 +83,7 @@ def run_reduced(
     body, offline_seconds = reduced
     solution, failed_at = until_early_end(
         blade.system(body, case, blade.loads(case, duration)),
-        Run(duration=duration, output_step=OUTPUT_STEP, step=STEP, tolerances=TOLERANCES),
+        run_of(duration),
         progress=progress,
     )
     return ReducedRun(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from supple_benchmarks.blade.corrected_run import CorrectedRun
 from supple_benchmarks.blade.full_run import FullRun
 from supple_benchmarks.blade.reduced_run import ReducedRun
 from supple_benchmarks.blade.run import BladeRun
+from supple_benchmarks.compared_models import STRAINS
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.nrel5mw_blade import BladeCase
 from supple_benchmarks.table import Table
@@ -38,7 +40,7 @@ def report(run: BladeRun) -> dict[str, Any]:
         "full": [_full_numbers(full) for full in run.full],
         "roms": [_reduced_numbers(run, rom) for rom in run.reduced],
         "self_correcting": [row for corrected in run.corrected for row in _rounds(corrected)],
-        "batch": _batch(run),
+        "batch": run.batch and {**asdict(run.batch), "cases_per_s": run.batch.cases_per_s},
         "published": PUBLISHED,
         "machine": describe_computer(),
     }
@@ -140,24 +142,6 @@ def _rounds(corrected: CorrectedRun) -> list[dict[str, Any]]:
     ]
 
 
-def _batch(run: BladeRun) -> dict[str, Any] | None:
-    batch = run.batch
-    if batch is None:
-        return None
-    return {
-        "cases": batch.cases,
-        "seconds": batch.seconds,
-        "cases_per_s": batch.cases_per_s,
-        "device": batch.device,
-        "size": batch.size,
-        "duration": batch.duration,
-        "single_seconds": batch.single_seconds,
-        "total_seconds": batch.total_seconds,
-        "largest_difference": batch.difference,
-        "cases_checked_alone": batch.checked,
-    }
-
-
 def tables(run: BladeRun) -> list[Table]:
     """The report's tables: title, column heads, rows."""
     return [
@@ -167,14 +151,11 @@ def tables(run: BladeRun) -> list[Table]:
     ]
 
 
-_STRAINS = {"green-lagrange": "GL", "von-karman": "vK"}
-
-
 def _full_table(run: BladeRun) -> Table:
     rows = [
         [
             _short(full.case.case, full.case.frame),
-            _STRAINS[full.case.kinematics] + (", linear" if full.case.linear else ""),
+            STRAINS[full.case.kinematics] + (", linear" if full.case.linear else ""),
             f"{full.solution.times[-1]:g}",
             f"{full.tip.amplitude:.4f}",
             f"{full.solution.statistics.iterations}",

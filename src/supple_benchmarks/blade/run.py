@@ -12,12 +12,11 @@ from supple.body import FlexibleBody, RayleighDamping
 from supple_benchmarks.blade.batch_run import BatchRun, run_batch
 from supple_benchmarks.blade.corrected_run import CorrectedRun, correct_blade
 from supple_benchmarks.blade.full_run import FullCase, FullRun, run_full
-from supple_benchmarks.blade.reduced_run import ReducedRun, bases_of, reduce_blade, run_reduced
+from supple_benchmarks.blade.reduced_run import ReducedRun, bases_of, run_reduced
+from supple_benchmarks.compared_models import FRAMES, KINEMATICS, reduce_to_compare
 from supple_benchmarks.nrel5mw_blade import (
     CASES,
     COARSE_GRID,
-    FRAMES,
-    KINEMATICS,
     PAPER_SPEED,
     RATED,
     Blade,
@@ -94,17 +93,9 @@ class BladeRun:
         return blade_damping(self.frequencies)
 
     def full_of(self, case: BladeCase, frame: str) -> FullRun | None:
-        """The nonlinear full run with Green-Lagrange strains, if it has been made."""
-        for run in self.full:
-            wanted = run.case
-            if (wanted.case, wanted.frame, wanted.linear, wanted.kinematics) == (
-                case,
-                frame,
-                False,
-                "green-lagrange",
-            ):
-                return run
-        return None
+        """The full run with which reduced runs are compared, if it has been made."""
+        own = (full for full in self.full if full.case.case == case and full.case.frame == frame)
+        return next((full for full in own if full.case.is_reference), None)
 
 
 def run_blade(benchmark: BladeBenchmark, folder: Path, announce: Announce) -> Iterator[BladeRun]:
@@ -137,7 +128,7 @@ def _reduced_runs(run: BladeRun, frame: str, case: BladeCase, announce: Announce
     benchmark = run.benchmark
     for basis in bases_of(benchmark.blade, run.body, frame, case, benchmark.n_linear):
         bar = announce(f"reduced: {case.name}, {frame}, {basis.label}")
-        reduced = reduce_blade(run.body, basis, run.damping)
+        reduced = reduce_to_compare(run.body, basis, run.damping)
         full = run.full_of(case, frame)
         run.reduced.append(run_reduced(benchmark.blade, case, basis, reduced, full, benchmark.duration, bar))
         yield run

@@ -93,8 +93,7 @@ def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
     n_stations, n_modes = (13, 60) if quick else (31, 80)
     model = shell_model(blade.mesh, SECTION, kinematics=GREEN_LAGRANGE)
     body = flexible_body(BODY, model, ENDS)
-    wind = blade.steady_load(body, RATED)[:, 0].reshape(len(body.nodes), -1)[blade.leading_edge, :3]
-    tip = np.asarray(blade.mesh.nodes_of("tip"))
+    wind, tip = blade.mean_wind(RATED), np.asarray(blade.mesh.nodes_of("tip"))
     methods: dict[str, Callable[[ClampedBlade], Array]] = {
         REFERENCE: lambda clamped: _full(clamped, MeanAxisFrame()),
         "full, nodal-fixed": lambda clamped: _full(clamped, NodalFixedFrame("root")),

@@ -6,7 +6,8 @@ from supple.body import FullBody
 from supple.equations import StaticSearch
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System
 from supple.simulation import equilibrium
-from supple_benchmarks.nrel5mw_blade import BODY, COARSE_GRID, FRAMES, RATED, ROOT, Blade
+from supple_benchmarks.compared_models import FRAMES, ROOT
+from supple_benchmarks.nrel5mw_blade import BODY, COARSE_GRID, RATED, Blade
 
 __all__ = ["blade_at_rest"]
 
@@ -20,9 +21,8 @@ def blade_at_rest(quick: bool) -> dict[str, list[float]]:
     """
     blade = Blade(COARSE_GRID) if quick else Blade()
     body = blade.body()
-    wind = blade.steady_load(body, RATED)[:, 0].reshape(len(body.nodes), -1)[blade.leading_edge, :3]
     clamp = Fixed(first=GROUND, second=At(BODY, ROOT), name="clamp")
-    load = DeadForce(body=BODY, at=blade.leading_edge, force=wind)
+    load = DeadForce(body=BODY, at=blade.leading_edge, force=blade.mean_wind(RATED))
     tip = blade.mesh.nodes_of("tip")
     found = {}
     for name, frame in FRAMES.items():

@@ -33,7 +33,7 @@ def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
     exact = run.exact[omega]
     motions: list[tuple[str, TipMotion]] = [("exact beam", exact)]
     motions += [(f"full, {one.frame}", one.tip) for one in full]
-    motions += [(_label(one), one.tip) for one in roms if one.derivatives != "picked"]
+    motions += [(_label(one), one.tip) for one in roms if one.basis.derivatives_name != "picked"]
     strokes = [REFERENCE] + [SOLID] * (len(motions) - 1)
 
     def curves(values: Callable[[TipMotion], np.ndarray]) -> list[Series]:
@@ -43,7 +43,7 @@ def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
         ]
 
     panels = [Panel("v (m)", curves(lambda tip: tip.v)), Panel("u (m)", curves(lambda tip: tip.u))]
-    enriched = {_label(one): one.error for one in roms if one.n_added}
+    enriched = {_label(one): one.error for one in roms if one.basis.n_added}
     pictures = [
         plot_time_history(folder / "figure_6_tip_motion.png", panels, units=SI),
         plot_rms_error(
@@ -65,7 +65,7 @@ def animation(run: BeamRun, path: Path, progress: Progress) -> Path:
     The motion is that of the last reduced model with derivatives and condensed tensors.
     """
     first = [one for one in run.reduced if one.full.omega == run.problem.speeds[0]]
-    rom = [one for one in first if one.n_added and one.tensors == "condensed"][-1]
+    rom = [one for one in first if one.basis.n_added and one.basis.tensors == "condensed"][-1]
     motion = rom.solution.bodies[rom.body.name]
     every = max(1, round(_ANIMATION_STEP / run.problem.output_step))
     end = int(np.searchsorted(rom.solution.times, _ANIMATION_END))
@@ -95,7 +95,7 @@ def _label(rom: ReducedRun) -> str:
 def _draw_error_over_speed(run: BeamRun, kinematics: str, speeds: list[float], folder: Path) -> Path:
     errors: dict[str, np.ndarray] = {}
     for rom in run.reduced:
-        if rom.n_added and rom.full.kinematics == kinematics:
+        if rom.basis.n_added and rom.full.kinematics == kinematics:
             values = errors.setdefault(_label(rom), np.full(len(speeds), np.nan))
             values[speeds.index(rom.full.omega)] = rom.error.relative_percent
     return plot_error_over_parameter(

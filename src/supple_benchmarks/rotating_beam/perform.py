@@ -41,7 +41,8 @@ def _store_latest(run: BeamRun, motions: Path) -> None:
     solution = full.solution
     if reduced:
         latest = reduced[-1]
-        label += f"_{latest.n_linear}+{latest.n_added}_{latest.derivatives}"
+        basis = latest.basis
+        label += f"_{basis.n_linear}+{basis.n_added}_{basis.derivatives_name}"
         solution = latest.solution
     motions.mkdir(parents=True, exist_ok=True)
     write_solution(motions / f"{label}.h5", solution, case=f"rotating beam {label}")

@@ -13,33 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import (
-    FlexibleBody,
-    Frame,
-    MeanAxisFrame,
-    NodalFixedFrame,
-    RigidInterface,
-    flexible_body,
-)
-from supple.fem import (
-    GREEN_LAGRANGE,
-    VON_KARMAN,
-    HomogeneousSection,
-    Isotropic,
-    ShellKinematics,
-    shell_model,
-)
+from supple.body import FlexibleBody, RigidInterface, flexible_body
+from supple.fem import HomogeneousSection, Isotropic, ShellKinematics, shell_model
+from supple.integrate import FixedStep, Run
 from supple.mesh import Mesh, strip
+from supple_benchmarks.compared_models import ROOT
 from supple_benchmarks.planar_beam import ROTATING_BEAM
 
-__all__ = ["BODY", "FRAMES", "KINEMATICS", "ROOT", "RotatingBeam", "spin_up_load"]
+__all__ = ["BODY", "RotatingBeam", "spin_up_load"]
 
 Array = NDArray[np.float64]
 
 BODY = "beam"
-ROOT = "root"
-FRAMES: dict[str, Frame] = {"nodal-fixed": NodalFixedFrame(ROOT), "mean-axis": MeanAxisFrame()}
-KINEMATICS: dict[str, ShellKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 
 @dataclass(frozen=True)
@@ -65,6 +50,11 @@ class RotatingBeam:
     def quick(cls) -> RotatingBeam:
         """One speed, one kinematics and a coarse mesh: under a minute."""
         return cls(speeds=(6.0,), kinematics=("green-lagrange",), n_length=10, n_width=2, step=0.02)
+
+    @property
+    def run(self) -> Run:
+        """The run of the full and the reduced models."""
+        return Run(self.duration, self.output_step, step=FixedStep(self.step))
 
     def mesh(self) -> Mesh:
         """The strip."""

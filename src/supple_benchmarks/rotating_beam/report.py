@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from supple_benchmarks.compared_models import STRAINS
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.rotating_beam.exact_beam import ExactTip
 from supple_benchmarks.rotating_beam.run import BeamRun, FullRun, ReducedRun
@@ -113,12 +114,12 @@ def _reduced_numbers(rom: ReducedRun, exact: ExactTip) -> dict[str, Any]:
     statistics = rom.solution.statistics
     return {
         "frame": rom.full.frame,
-        "basis": rom.basis,
-        "derivatives": rom.derivatives,
-        "tensors": rom.tensors,
+        "basis": rom.basis.name,
+        "derivatives": rom.basis.derivatives_name,
+        "tensors": rom.basis.tensors,
         "kinematics": rom.full.kinematics,
-        "linear": rom.n_linear,
-        "added": rom.n_added,
+        "linear": rom.basis.n_linear,
+        "added": rom.basis.n_added,
         "size": rom.body.r,
         "omega": rom.full.omega,
         "max_rms": rom.error.max_rms,
@@ -158,7 +159,7 @@ def tables(run: BeamRun) -> list[Table]:
     errors = []
     for rom in run.reduced:
         statistics, reference = rom.solution.statistics, rom.full.solution.statistics
-        published = PUBLISHED_RMS[rom.full.frame] if rom.n_added and rom.full.omega == 6.0 else None
+        published = PUBLISHED_RMS[rom.full.frame] if rom.basis.n_added and rom.full.omega == 6.0 else None
         errors.append(
             [
                 f"{rom.full.omega:g}",
@@ -186,8 +187,5 @@ def tables(run: BeamRun) -> list[Table]:
     ]
 
 
-_STRAINS = {"green-lagrange": "GL", "von-karman": "vK"}
-
-
 def _model(full: FullRun) -> str:
-    return f"{full.frame} {_STRAINS[full.kinematics]}"
+    return f"{full.frame} {STRAINS[full.kinematics]}"
