@@ -10,7 +10,6 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from supple.errors import ConvergenceError, ModelError
-from supple_benchmarks.angle_history import AngleHistory, angle_history
 from supple_benchmarks.planar_beam import BANDWIDTH, NODE_SIZE, Array, BeamElements, PlanarBeam
 
 MAX_ITERATIONS = 25
@@ -112,10 +111,11 @@ def spin_up_beam(
     """
     elements = BeamElements(beam, n_elements)
     times = _time_grid(duration, step)
-    drive = angle_history(angle, times)
-    start = elements.straight(float(drive.angle[0]))
+    root = np.zeros((3, len(times), NODE_SIZE))
+    root[..., 2] = angle_history(angle, times)
+    start = elements.straight(float(root[0, 0, 2]))
     turning = np.stack([-start[:, 1], start[:, 0], np.ones(len(start))], axis=-1)
-    return _integrate(elements, times, start, drive.rate[0] * turning, _Clamp(drive), rho_inf, tolerance)
+    return _integrate(elements, times, start, root[1, 0, 2] * turning, root, rho_inf, tolerance)
 
 
 def fly_beam(
@@ -138,41 +138,34 @@ def fly_beam(
         if array.shape != expected:
             raise ModelError(f"planar beam: the initial {name} has shape {array.shape}, not {expected}")
     times = _time_grid(duration, step)
-    return _integrate(elements, times, configuration, velocity, _Free(), rho_inf, tolerance)
+    free = np.empty((3, len(times), 0))
+    return _integrate(elements, times, configuration, velocity, free, rho_inf, tolerance)
 
 
-@dataclass(frozen=True)
-class _Free:
-    """A free root: none of its degrees of freedom is prescribed."""
+def angle_history(angle: Callable[[jax.Array], jax.Array], times: Array) -> Array:
+    """Angle, rad, rate and acceleration (3, t) of a traceable law theta(t), with exact derivatives.
 
-    n_fixed = 0
+    Parameters
+    ----------
+    angle : callable        scalar time (s) -> scalar angle (rad), written with jax.numpy
+    times : array (t,)      s
 
-    def configuration(self, i: int) -> Array:
-        """No prescribed degrees of freedom."""
-        del i
-        return np.empty(0)
-
-    rate = acceleration = configuration
-
-
-@dataclass(frozen=True)
-class _Clamp:
-    """A root whose three degrees of freedom follow a hub that rotates about the origin."""
-
-    drive: AngleHistory
-    n_fixed = NODE_SIZE
-
-    def configuration(self, i: int) -> Array:
-        """x, y and angle of the root at time i."""
-        return np.array([0.0, 0.0, self.drive.angle[i]])
-
-    def rate(self, i: int) -> Array:
-        """First time derivatives of x, y and angle at time i."""
-        return np.array([0.0, 0.0, self.drive.rate[i]])
-
-    def acceleration(self, i: int) -> Array:
-        """Second time derivatives of x, y and angle at time i."""
-        return np.array([0.0, 0.0, self.drive.acceleration[i]])
+    Raises
+    ------
+    ModelError  the law or a derivative is not finite at one of the times
+    """
+    rate = jax.grad(angle)
+    acceleration = jax.grad(rate)
+    sample = jax.jit(jax.vmap(lambda time: (angle(time), rate(time), acceleration(time))))
+    with jax.enable_x64(True):
+        samples = np.array(sample(times))
+    finite = np.isfinite(samples).all(axis=0)
+    if not finite.all():
+        raise ModelError(
+            f"the prescribed angle or one of its derivatives is not finite at t = {times[~finite][0]:g} s: "
+            "give a law that is smooth over the whole run"
+        )
+    return samples
 
 
 def _time_grid(duration: float, step: float) -> Array:
@@ -186,7 +179,7 @@ def _integrate(
     times: Array,
     configuration: Array,
     velocity: Array,
-    root: _Free | _Clamp,
+    root: Array,
     rho_inf: float,
     tolerance: float,
 ) -> BeamMotion:
@@ -195,6 +188,8 @@ def _integrate(
     M dv/dt + f(q) = 0,   (1 - alpha_m) a' + alpha_m a = (1 - alpha_f) dv'/dt + alpha_f dv/dt
 
     Equilibrium at the end of the step allows the prescribed acceleration of the root to enter unchanged.
+
+    root : (3, t, k)    the k prescribed freedoms of the root, their rates and their accelerations
     """
     if not 0.0 <= rho_inf <= 1.0:
         raise ModelError(f"planar beam: rho_inf is {rho_inf}; give a spectral radius in [0, 1]")
@@ -205,11 +200,11 @@ def _integrate(
     beta = 0.25 * (gamma + 0.5) ** 2
     rate_factor = gamma / (h * beta)
     mass_factor = (1.0 - alpha_m) / (h**2 * beta * (1.0 - alpha_f))
-    fixed = root.n_fixed
+    fixed = root.shape[2]
 
     shape = (elements.n_nodes, NODE_SIZE)
     q, v = configuration.reshape(-1).copy(), velocity.reshape(-1).copy()
-    v_dot = _initial_acceleration(elements, q.reshape(shape), root)
+    v_dot = _initial_acceleration(elements, q.reshape(shape), root[2, 0])
     a = v_dot.copy()
     configurations, velocities = np.empty((len(times), *shape)), np.empty((len(times), *shape))
     configurations[0], velocities[0] = q.reshape(shape), v.reshape(shape)
@@ -224,7 +219,7 @@ def _integrate(
         q = q + h * v + h**2 * ((0.5 - beta) * a + beta * a_next)
         v = v + h * ((1.0 - gamma) * a + gamma * a_next)
         v_dot_old, v_dot = v_dot, v_dot.copy()
-        q[:fixed], v[:fixed], v_dot[:fixed] = root.configuration(i), root.rate(i), root.acceleration(i)
+        q[:fixed], v[:fixed], v_dot[:fixed] = root[:, i]
         for _ in range(MAX_ITERATIONS):
             residual, internal, tangent = elements.residual_and_tangent(
                 q.reshape(shape), v_dot.reshape(shape), mass_factor
@@ -248,10 +243,10 @@ def _integrate(
     return BeamMotion(elements, times, configurations, velocities, iterations)
 
 
-def _initial_acceleration(elements: BeamElements, configuration: Array, root: _Free | _Clamp) -> Array:
-    fixed = root.n_fixed
+def _initial_acceleration(elements: BeamElements, configuration: Array, prescribed: Array) -> Array:
+    fixed = len(prescribed)
     acceleration = np.zeros(NODE_SIZE * elements.n_nodes)
-    acceleration[:fixed] = root.acceleration(0)
+    acceleration[:fixed] = prescribed
     known = elements.momentum(acceleration.reshape(configuration.shape)).reshape(-1)
     load = -(elements.internal_force(configuration) + known)
     mass = elements.banded_mass()[:, fixed:]
