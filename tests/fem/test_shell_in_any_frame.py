@@ -27,10 +27,10 @@ from supple_benchmarks.invariance.strip import (
     WARPING,
     WIDTH,
     ClampedStrip,
-    force_for_rotation,
     rotated_rigidly,
     strip_mesh,
 )
+from supple_benchmarks.references.elastica import force_for_rotation
 from supple_benchmarks.references.lateral_buckling import warped_buckling_load
 
 EI, GJ = BENDING, TORSION

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from time import process_time
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from supple.body import AveragingInterface, FullBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.errors import ConvergenceError
-from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.machine import DeadForce, Fixed, System, split_body
+from supple.fem import FiniteElementModel, HomogeneousSection, Isotropic, shell_model
+from supple.machine import DeadForce, Fixed, Joint, System, split_body
 from supple.mesh import AlongAxis, strip
 from supple.methods.intrinsic import LoadPath, condense
-from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
+from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, ReducedBody, reduce
 from supple.simulation.equilibrium import equilibrium
 from supple_benchmarks.intrinsic.blade import blade_rows
-from supple_benchmarks.references.elastica import elastica
+from supple_benchmarks.references.elastica import force_for_rotation
 
 __all__ = ["METHODS", "agreement_rows", "tip_by"]
 
@@ -28,6 +27,7 @@ LENGTH, WIDTH, THICKNESS, MODULUS = 1.0, 0.1, 0.005, 2.1e11
 BENDING = MODULUS * WIDTH * THICKNESS**3 / 12
 METHODS = ("full", "floating", "split", "intrinsic")
 N_LENGTH = 24
+ENDS = (RigidInterface("root", "root"), AveragingInterface("tip", "tip"))
 
 
 def agreement_rows(quick: bool) -> Iterator[dict[str, Any]]:
@@ -46,7 +46,7 @@ def tip_by(method: str, rotation: float) -> dict[str, Any]:
     The force is that of the elastica. The error is the distance of the tip from that of the elastica, over
     the deflection. It is None if the method finds no equilibrium, as one floating frame at large rotations.
     """
-    force, exact = _force_that_turns(rotation)
+    force, exact = force_for_rotation(BENDING, LENGTH, rotation)
     began = process_time()
     error: float | None = None
     with suppress(ConvergenceError):
@@ -61,47 +61,38 @@ def tip_by(method: str, rotation: float) -> dict[str, Any]:
     }
 
 
-def _force_that_turns(rotation: float) -> tuple[float, NDArray[np.float64]]:
-    scale = BENDING / LENGTH**2
-    force = brentq(lambda f: elastica(BENDING, LENGTH, f)[2] - rotation, 1e-3 * scale, 20 * scale)
-    assert isinstance(force, float)
-    return force, np.array(elastica(BENDING, LENGTH, force)[:2])
-
-
-def _model() -> Any:
+def _model() -> FiniteElementModel:
     wall = HomogeneousSection(Isotropic(MODULUS, 0.0, 7800.0), THICKNESS)
     return shell_model(strip(LENGTH, WIDTH, N_LENGTH, 2), wall)
 
 
-def _interfaces() -> list[Any]:
-    return [RigidInterface("root", "root"), AveragingInterface("tip", "tip")]
-
-
-def _resting(bodies: list[Any], joints: list[Any], last: str, force: float) -> NDArray[np.float64]:
+def _resting(
+    bodies: Sequence[FullBody | ReducedBody], force: float, joints: Sequence[Joint] = ()
+) -> NDArray[np.float64]:
+    """The tip of a chain of bodies, clamped at its root, with a force on its tip."""
     clamp = Fixed(first="ground", second=f"{bodies[0].name}.root")
-    loads = [DeadForce(at=f"{last}.tip", force=(0.0, 0.0, force))]
-    rest = equilibrium(System(bodies, [clamp, *joints], loads)).system
-    placed = rest.bodies[rest.body_index(last)]
+    loads = [DeadForce(at=f"{bodies[-1].name}.tip", force=(0.0, 0.0, force))]
+    placed = equilibrium(System(bodies, [clamp, *joints], loads)).system.bodies[-1]
     tip = placed.body.interface("tip")
     moved = np.asarray(tip.motion @ placed.coordinates)[:3]
     return placed.position + placed.rotation @ (tip.position + moved)
 
 
 def _full(force: float) -> NDArray[np.float64]:
-    body = flexible_body("strip", _model(), _interfaces())
-    return _resting([FullBody(body, NodalFixedFrame("root"))], [], "strip", force)
+    body = flexible_body("strip", _model(), ENDS)
+    return _resting([FullBody(body, NodalFixedFrame("root"))], force)
 
 
 def _floating(force: float) -> NDArray[np.float64]:
-    body = flexible_body("strip", _model(), _interfaces())
+    body = flexible_body("strip", _model(), ENDS)
     reduced = reduce(
         body, NodalFixedFrame("root"), CraigBampton(6), derivatives=CompressedDerivatives(8), loads=NoLoads
     )
-    return _resting([reduced], [], "strip", force)
+    return _resting([reduced], force)
 
 
 def _split(force: float) -> NDArray[np.float64]:
-    parts = split_body("strip", _model(), AlongAxis(4, (1, 0, 0)), tuple(_interfaces()))
+    parts = split_body("strip", _model(), AlongAxis(4, (1, 0, 0)), ENDS)
     held = ["root", *(f"cut-{number + 1}" for number in range(3))]
     bodies = [
         reduce(
@@ -109,11 +100,11 @@ def _split(force: float) -> NDArray[np.float64]:
         )
         for part, name in zip(parts.parts, held, strict=True)
     ]
-    return _resting(bodies, list(parts.joints), bodies[-1].name, force)
+    return _resting(bodies, force, parts.joints)
 
 
 def _intrinsic(force: float) -> NDArray[np.float64]:
-    shells = flexible_body("strip", _model(), _interfaces())
+    shells = flexible_body("strip", _model(), ENDS)
     body = condense(shells, LoadPath("root", "tip", N_LENGTH + 1), n_modes=60)
     clamp = Fixed(first="ground", second="strip.root")
     system = System([body], [clamp], [DeadForce(at="strip.tip", force=(0.0, 0.0, force))])

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
-from supple.fem import BeamSection, Isotropic, lumped_mass, shell_model
-from supple.mesh import CellType, Mesh
-from supple.methods.intrinsic import CondensedLine, condensed_line
+from supple.fem import BeamSection, Isotropic
+from supple.methods.intrinsic import CondensedLine
+from supple_benchmarks.lines import condensed_beam
 
 __all__ = ["beam_line"]
 
@@ -37,8 +36,4 @@ def beam_line(
     section = BeamSection(
         material, axial / E, bending / E, bending / E, 2 * torsion / E, orientation=tuple(across)
     )
-    cells = np.column_stack([np.arange(len(points) - 1), np.arange(1, len(points))])
-    model = shell_model(Mesh(points, {CellType.LINE2: cells}), section)
-    masses = lumped_mass(model).reshape(-1, 6)[:, :1]
-    diagonal = np.hstack([np.tile(masses, 3), np.tile(masses * radius**2, 3)])
-    return condensed_line(name, points, model.stiffness, sparse.diags_array(diagonal.ravel()))
+    return condensed_beam(name, points, section, radius)

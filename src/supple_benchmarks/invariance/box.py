@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from supple.fem import BeamSection, FiniteElementModel, HomogeneousSection, Isotropic, shell_model
-from supple.mesh import CellType, Mesh, box_beam
+from supple.mesh import box_beam
+from supple_benchmarks.lines import line_mesh, points_along_x
 
 __all__ = ["BOX_LENGTH", "SECTION", "beam_stiffness", "box_of_beams", "box_of_walls", "weak_bending"]
 
@@ -40,10 +41,7 @@ def beam_stiffness() -> np.ndarray:
 
 def box_of_beams(n_length: int) -> FiniteElementModel:
     """The box as beam elements along x; node sets root and tip are the end nodes."""
-    nodes = np.linspace(0, BOX_LENGTH, n_length + 1)[:, None] * np.eye(3)[0]
-    cells = np.column_stack([np.arange(n_length), np.arange(1, n_length + 1)])
-    sets = {"root": np.array([0]), "tip": np.array([n_length])}
-    return shell_model(Mesh(nodes, {CellType.LINE2: cells}, sets), SECTION)
+    return shell_model(line_mesh(points_along_x(BOX_LENGTH, n_length)), SECTION)
 
 
 def box_of_walls(n_length: int = 16) -> FiniteElementModel:

@@ -15,9 +15,9 @@ from supple_benchmarks.invariance.strip import (
     TORSION,
     ClampedStrip,
     beam_model,
-    force_for_rotation,
     strip_model,
 )
+from supple_benchmarks.references.elastica import force_for_rotation
 
 __all__ = ["bent_strips", "turned_strips"]
 

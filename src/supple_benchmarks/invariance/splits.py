@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface
-from supple.machine import split_body
+from supple.fem import FiniteElementModel
+from supple.machine import Fixed, split_body
 from supple.mesh import AlongAxis
 from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
-from supple_benchmarks.invariance.strip import BENDING, LENGTH, force_for_rotation, strip_model
+from supple_benchmarks.invariance.strip import BENDING, LENGTH, strip_model
+from supple_benchmarks.references.elastica import force_for_rotation
 
 __all__ = ["split_strips"]
 
@@ -19,28 +22,27 @@ __all__ = ["split_strips"]
 def split_strips(quick: bool) -> Iterator[dict[str, Any]]:
     """Distance of the tip from that of the elastica, over the deflection, by frame and number of bodies k."""
     model = strip_model(24)
-    tip = model.mesh.nodes_of("tip")
     weights = np.array([0.25, 0.5, 0.25])
     for rotation in (0.874,) if quick else (0.291, 0.573, 0.874, 1.2):
         force, (along, across) = force_for_rotation(BENDING, LENGTH, rotation)
         for name in FRAMES:
             for k in (1, 2) if quick else (1, 2, 4):
-                bodies, joints, own = _parts(model, name, k)
-                nodes = tip if own is None else own
-                found = resting_tip(bodies, nodes, np.outer(weights, [0, 0, force]), nodes, joints=joints)
+                bodies, joints, tip = _parts(model, name, k)
+                found = resting_tip(bodies, tip, np.outer(weights, [0, 0, force]), tip, joints=joints)
                 error = float(np.hypot(found[0] - along, found[2] - across) / across)
                 yield {"k": k, "frame": name, "tip_rotation": rotation, "error": error}
 
 
-def _parts(model, frame: str, k: int):
-    """Bodies from the root to the tip, their joints, and the tip nodes of the last body (None if k = 1)."""
+def _parts(
+    model: FiniteElementModel, frame: str, k: int
+) -> tuple[list[FullBody], Sequence[Fixed], ArrayLike]:
+    """Bodies from the root to the tip, their joints, and the tip nodes of the last body."""
     if k == 1:
-        return [FullBody(clamped_body("strip", model), FRAMES[frame])], (), None
+        return [FullBody(clamped_body("strip", model), FRAMES[frame])], (), model.mesh.nodes_of("tip")
     split = split_body("strip", model, AlongAxis(k, (1, 0, 0)), (RigidInterface("root", "root"),))
     held = ["root", *(f"cut-{number + 1}" for number in range(k - 1))]
     bodies = [
         FullBody(part, NodalFixedFrame(name) if frame == "nodal-fixed" else MeanAxisFrame())
         for part, name in zip(split.parts, held, strict=True)
     ]
-    last = split.mesh.parts[-1]
-    return bodies, split.joints, last.mesh.nodes_of("tip")
+    return bodies, split.joints, split.mesh.parts[-1].mesh.nodes_of("tip")

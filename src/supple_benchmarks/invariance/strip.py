@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
@@ -19,8 +18,8 @@ from supple.fem import (
     assemble,
     shell_model,
 )
-from supple.mesh import CellType, Mesh, strip
-from supple_benchmarks.references.elastica import elastica
+from supple.mesh import Mesh, strip
+from supple_benchmarks.lines import line_mesh, points_along_x
 
 __all__ = [
     "BENDING",
@@ -29,7 +28,6 @@ __all__ = [
     "WARPING",
     "ClampedStrip",
     "beam_model",
-    "force_for_rotation",
     "strip_mesh",
     "strip_model",
 ]
@@ -58,9 +56,6 @@ def strip_model(n_length: int = 20) -> FiniteElementModel:
 
 def beam_model(n_length: int) -> FiniteElementModel:
     """The strip as beam elements along x, whose section is wide along y and thin along z."""
-    nodes = np.linspace(0, LENGTH, n_length + 1)[:, None] * np.eye(3)[0]
-    cells = np.column_stack([np.arange(n_length), np.arange(1, n_length + 1)])
-    sets = {"root": np.array([0]), "tip": np.array([n_length])}
     section = BeamSection(
         Isotropic(MODULUS, 0.0, 7800.0),
         WIDTH * THICKNESS,
@@ -71,20 +66,7 @@ def beam_model(n_length: int) -> FiniteElementModel:
         5 / 6,
         orientation=(0, 1, 0),
     )
-    return shell_model(Mesh(nodes, {CellType.LINE2: cells}, sets), section)
-
-
-def force_for_rotation(bending: float, length: float, rotation: float) -> tuple[float, Array]:
-    """Dead force, N, that rotates the tip of an elastica by `rotation`, rad; tip position (along, across)."""
-
-    def missing(force: float) -> float:
-        _, _, turned = elastica(bending, length, force)
-        return turned - rotation
-
-    scale = bending / length**2
-    force = brentq(missing, 0.1 * scale, 20 * scale, xtol=1e-12 * scale)
-    assert isinstance(force, float)
-    return force, np.array(elastica(bending, length, force)[:2])
+    return shell_model(line_mesh(points_along_x(LENGTH, n_length)), section)
 
 
 def rotated_rigidly(mesh: Mesh, motion: Array, around: Rotation) -> Array:

@@ -15,7 +15,8 @@ from supple.body import (
     flexible_body,
 )
 from supple.fem import BeamSection, HomogeneousSection, Isotropic, LaminateSection, shell_model, solid_model
-from supple.mesh import CellType, Mesh, block, cylinder_shell, strip
+from supple.mesh import CellType, block, cylinder_shell, strip
+from supple_benchmarks.lines import line_mesh, points_along_x
 
 __all__ = [
     "DAMPED",
@@ -79,14 +80,11 @@ def solid_bar() -> FlexibleBody:
 
 def beam(length: float = 1.0, n: int = 10, name: str = "body", side: float = 0.02) -> FlexibleBody:
     """Beam elements with a square section of given side."""
-    nodes = np.linspace(0.0, length, n + 1)[:, None] * np.eye(3)[0]
-    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
-    mesh = Mesh(nodes, {CellType.LINE2: cells}, {"root": np.array([0]), "tip": np.array([n])})
     inertia = side**4 / 12
     section = BeamSection(
         RUBBER, side**2, inertia, 1.1 * inertia, 1.69 * inertia, 5 / 6, 5 / 6, orientation=(0, 1, 0)
     )
-    return flexible_body(name, shell_model(mesh, section), ENDS)
+    return flexible_body(name, shell_model(line_mesh(points_along_x(length, n)), section), ENDS)
 
 
 def rod(length: float, name: str, n: int = 5) -> FlexibleBody:

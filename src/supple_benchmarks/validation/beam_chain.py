@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from supple.body import FullBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.fem import BeamSection, Isotropic, shell_model
 from supple.machine import GROUND, At, Fixed, Joint, Placed
-from supple.mesh import CellType, Mesh
+from supple_benchmarks.lines import line_mesh
 
-__all__ = ["BeamChain", "beam_chain", "line_mesh", "rectangle"]
+__all__ = ["BeamChain", "beam_chain", "rectangle"]
 
 
 def rectangle(
@@ -22,14 +22,6 @@ def rectangle(
     return BeamSection(
         material, y * z, z * y**3 / 12, y * z**3 / 12, torsion, 5 / 6, 5 / 6, orientation=orientation
     )
-
-
-def line_mesh(nodes: ArrayLike) -> Mesh:
-    """Line elements between consecutive nodes (N, 3); node sets "root" (first node) and "tip" (last node)."""
-    places = np.asarray(nodes, dtype=float)
-    n = len(places) - 1
-    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
-    return Mesh(places, {CellType.LINE2: cells}, {"root": np.array([0]), "tip": np.array([n])})
 
 
 @dataclass(frozen=True, eq=False)

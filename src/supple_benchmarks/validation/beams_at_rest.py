@@ -15,6 +15,7 @@ from supple.fem import BeamSection, Isotropic
 from supple.machine import DeadForce, DeadTorque, FollowerForce, System
 from supple.machine.system import Load
 from supple.simulation import equilibrium
+from supple_benchmarks.lines import points_along_x
 from supple_benchmarks.references.rod import Rod
 from supple_benchmarks.validation.beam_chain import BeamChain, beam_chain, rectangle
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
@@ -44,10 +45,6 @@ def _rested_tip(nodes: ArrayLike, section: BeamSection, **loads: ArrayLike) -> A
         warnings.simplefilter("ignore", ValidityWarning)  # bodies bend by more than 0.5 rad: this is measured
         rest = equilibrium(System(chain.bodies, chain.joints, _loads(chain, **loads)))
     return rest.system.bodies[-1].positions()[-1]
-
-
-def _along_x(length: float, n: int) -> Array:
-    return np.linspace(0, length, n + 1)[:, None] * np.eye(3)[0]
 
 
 def bend_of_45_degrees() -> Sequence[Comparison]:
@@ -90,7 +87,7 @@ def _strip() -> BeamSection:
 
 def roll_up() -> Sequence[Comparison]:
     """A tip moment 2 pi E I / L bends a cantilever to a full circle, half of that moment to a half circle."""
-    nodes, whole = _along_x(LENGTH, 16), 2 * np.pi * BENDING / LENGTH
+    nodes, whole = points_along_x(LENGTH, 16), 2 * np.pi * BENDING / LENGTH
     source = "a circle of radius E I / M"
     half = _rested_tip(nodes, _strip(), torque=(0, -whole / 2, 0))
     full = _rested_tip(nodes, _strip(), torque=(0, -whole, 0))
@@ -109,7 +106,7 @@ def roll_up() -> Sequence[Comparison]:
 
 def elastica() -> Sequence[Comparison]:
     """A cantilever under a transverse dead force at its tip, P L^2 / E I = 10."""
-    tip = _rested_tip(_along_x(LENGTH, 24), _strip(), force=(0, 0, 10 * BENDING / LENGTH**2)) / LENGTH
+    tip = _rested_tip(points_along_x(LENGTH, 24), _strip(), force=(0, 0, 10 * BENDING / LENGTH**2)) / LENGTH
     source = "K. Mattiasson, Int. J. Numer. Methods Eng. 17 (1981) 145-153, table 1 (elliptic integrals)"
     return (
         Comparison("shortening of the tip / L", 1 - tip[0], 0.55500, source, 2e-3),
@@ -129,7 +126,7 @@ def buckled_column() -> Sequence[Comparison]:
     k = np.sin(np.pi / 6)
     K, E = ellipk(k**2), ellipe(k**2)
     push = K**2 * BENDING / LENGTH**2
-    chain = beam_chain(_along_x(LENGTH, 24), _strip(), n_bodies=8)
+    chain = beam_chain(points_along_x(LENGTH, 24), _strip(), n_bodies=8)
     bent = equilibrium(System(chain.bodies, chain.joints, _loads(chain, (-push, 0, push / 2)))).system
     rest = equilibrium(replace(bent, loads=_loads(chain, (-push, 0, 0)))).system
     tip = rest.bodies[-1].positions()[-1] / LENGTH
@@ -143,7 +140,7 @@ def buckled_column() -> Sequence[Comparison]:
 def follower_force() -> Sequence[Comparison]:
     """A cantilever under a tip force that stays normal to the beam's axis, P L^2 / E I = 8."""
     force = 8 * BENDING / LENGTH**2
-    tip = _rested_tip(_along_x(LENGTH, 24), _strip(), following=(0, 0, force))
+    tip = _rested_tip(points_along_x(LENGTH, 24), _strip(), following=(0, 0, force))
     shear = 5e6 * 0.1 * 5 / 6
     exact, _ = Rod(LENGTH, (1e6, shear, shear, 5e6 * 0.1**3 / 3, BENDING, 1e7 * 0.1 / 12)).tip_followed(
         (0, 0, force)
@@ -167,7 +164,9 @@ def princeton() -> Sequence[Comparison]:
     shear = material.youngs_modulus / 2 / (1 + 0.31)
     torsion = height * thickness**3 / 3 * (1 - 0.63 * thickness / height)
     force = 13.345 * np.array([0, 1, 1]) / np.sqrt(2)
-    tip = _rested_tip(_along_x(length, 16), rectangle(material, height, thickness, torsion), force=force)
+    tip = _rested_tip(
+        points_along_x(length, 16), rectangle(material, height, thickness, torsion), force=force
+    )
     area = height * thickness
     stiffness = np.array(
         [

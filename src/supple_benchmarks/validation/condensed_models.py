@@ -12,7 +12,7 @@ from supple.fem import BeamSection, Isotropic, shell_model
 from supple.linearization import linearize, machine_modes
 from supple.machine import GROUND, At, Fixed, System
 from supple.reduction import CompleteBasis, NoDerivatives, NoLoads, reduce
-from supple_benchmarks.validation.beam_chain import line_mesh
+from supple_benchmarks.lines import line_mesh, points_along_x
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
 __all__ = ["CASES"]
@@ -26,7 +26,7 @@ RAYLEIGH = "Euler-Bernoulli beam: Lord Rayleigh, Theory of Sound, chapter VIII"
 
 def condensed_cantilever() -> Sequence[Comparison]:
     """Two nodes and fourteen modal coordinates: mass, centre of mass, and frequencies of the clamped beam."""
-    nodes = np.linspace(0, LENGTH, 33)[:, None] * np.eye(3)[0]
+    nodes = points_along_x(LENGTH, 32)
     I1, I2 = WIDTH**3 * HEIGHT / 12, HEIGHT**3 * WIDTH / 12
     section = BeamSection(STEEL, WIDTH * HEIGHT, I2, I1, I1 + I2, orientation=(0.0, 1.0, 0.0))
     model = shell_model(line_mesh(nodes), section)

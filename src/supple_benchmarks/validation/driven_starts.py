@@ -40,7 +40,8 @@ from supple.machine import (
 from supple.methods.intrinsic import LoadPath, condense, released
 from supple.reduction import CraigBampton, NoDerivatives, reduce
 from supple.simulation import simulate
-from supple_benchmarks.validation.beam_chain import line_mesh, rectangle
+from supple_benchmarks.lines import line_mesh, points_along_x
+from supple_benchmarks.validation.beam_chain import rectangle
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
 __all__ = ["CASES"]
@@ -57,7 +58,7 @@ X, UP = np.eye(3)[[0, 2]]
 
 def _beam(name: str = "beam") -> FlexibleBody:
     """A beam of 1 m along x; its soft bending direction is z."""
-    nodes = np.linspace(0, 1, 13)[:, None] * np.eye(3)[0]
+    nodes = points_along_x(1, 12)
     model = shell_model(line_mesh(nodes), rectangle(MATERIAL, Y, Z, Y * Z**3 / 4))
     return flexible_body(name, model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
 

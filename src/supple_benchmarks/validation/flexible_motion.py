@@ -35,8 +35,9 @@ from supple.machine import (
 from supple.reduction import CompressedDerivatives, CraigBampton, NoDerivatives, SteadyLoads, reduce
 from supple.simulation import simulate
 from supple_benchmarks.beam_motion import spin_up_beam
+from supple_benchmarks.lines import line_mesh, points_along_x
 from supple_benchmarks.planar_beam import ROTATING_BEAM
-from supple_benchmarks.validation.beam_chain import line_mesh, rectangle
+from supple_benchmarks.validation.beam_chain import rectangle
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
 
 __all__ = ["CASES"]
@@ -47,7 +48,7 @@ ENDS = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
 
 
 def _beam(length: float, n: int, section: BeamSection) -> FlexibleBody:
-    nodes = np.linspace(0, length, n + 1)[:, None] * np.eye(3)[0]
+    nodes = points_along_x(length, n)
     return flexible_body("beam", shell_model(line_mesh(nodes), section), ENDS)
 
 

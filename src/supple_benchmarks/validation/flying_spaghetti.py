@@ -7,6 +7,7 @@ inertial frame, with a constant mass matrix, integrated by DOP853 with a relativ
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -15,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from supple.fem import BeamSection, Isotropic, lumped_mass, shell_model
+from supple.fem import BeamSection, Isotropic
 from supple.integrate import FixedStep, GeneralizedAlpha, Run
 from supple.machine import DeadForce, FollowerTorque, System
-from supple.mesh import CellType, Mesh
-from supple.methods.intrinsic import FREE, IntrinsicBody, condensed_line, intrinsic_body
+from supple.methods.intrinsic import FREE, IntrinsicBody, intrinsic_body
 from supple.simulation import simulate
+from supple_benchmarks.lines import condensed_beam
 from supple_benchmarks.planar_beam import BeamElements, PlanarBeam
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
@@ -66,15 +67,10 @@ def _reference() -> Array:
 
 def _line() -> IntrinsicBody:
     """The beam as an intrinsic line with all modes; a section of area 0.01 has the stiffness of `BEAM`."""
-    n = N_SEGMENTS
-    points = ROOT + np.linspace(0, 1, n + 1)[:, None] * (TIP - ROOT)
-    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+    points = ROOT + np.linspace(0, 1, N_SEGMENTS + 1)[:, None] * (TIP - ROOT)
     section = BeamSection(Isotropic(1e6, 0.0, 100.0), 1e-2, 5e-4, 5e-4, 1e-3, 2.0, 2.0, orientation=(0, 0, 1))
-    model = shell_model(Mesh(points, {CellType.LINE2: cells}), section)
-    mass = lumped_mass(model).reshape(-1, 6)[:, :1]
-    rotary = BEAM.rotary_inertia_per_length / BEAM.mass_per_length * mass
-    masses = np.hstack([np.tile(mass, 3), np.tile(rotary, 3)])
-    return intrinsic_body(condensed_line("beam", points, model.stiffness, np.diag(masses.ravel())), FREE)
+    radius = math.sqrt(BEAM.rotary_inertia_per_length / BEAM.mass_per_length)
+    return intrinsic_body(condensed_beam("beam", points, section, radius), FREE)
 
 
 def _while_loaded(load: Sequence[float]) -> Callable[[Any], Any]:

@@ -21,7 +21,6 @@ from supple.machine import (
     Spin,
     System,
 )
-from supple.mesh import CellType, Mesh
 from supple.methods.intrinsic import (
     CLAMPED,
     FREE,
@@ -33,6 +32,7 @@ from supple.methods.intrinsic import (
 )
 from supple.methods.intrinsic.truncation_error import centre_drift
 from supple.simulation import equilibrium, simulate
+from supple_benchmarks.lines import line_mesh, points_along_x
 from supple_benchmarks.references.elastica import elastica
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
@@ -51,10 +51,9 @@ def slender_beam(n: int, support: RootSupport, n_modes: int | None = None) -> In
 
     n_modes : number of modes; None: all
     """
-    points = np.linspace(0, 1, n + 1)[:, None] * np.array([1.0, 0, 0])
-    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+    points = points_along_x(1, n)
     section = BeamSection(Isotropic(1e6, 0.0, 1.0), 1.0, 1e-6, 1e-6, 2e-6, 0.0, 0.0, orientation=(0, 0, 1.0))
-    model = shell_model(Mesh(points, {CellType.LINE2: cells}), section)
+    model = shell_model(line_mesh(points), section)
     mass = lumped_mass(model).reshape(-1, 6)
     mass = np.hstack([mass[:, :3], np.full((n + 1, 3), mass[:, 0].mean() * 0.005**2)])
     line = condensed_line("beam", points, model.stiffness, np.diag(mass.ravel()))

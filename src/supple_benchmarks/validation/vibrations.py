@@ -17,7 +17,8 @@ from supple.machine import GROUND, At, DeadForce, Fixed, FollowerForce, Placed, 
 from supple.machine.system import Load
 from supple.mesh import CellType, block, plate
 from supple.reduction import CompressedDerivatives, CraigBampton, reduce
-from supple_benchmarks.validation.beam_chain import line_mesh, rectangle
+from supple_benchmarks.lines import line_mesh, points_along_x
+from supple_benchmarks.validation.beam_chain import rectangle
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, matched
 
 __all__ = ["CASES"]
@@ -41,7 +42,7 @@ def _clamped(body: FlexibleBody, *loads: Load) -> System:
 
 def _beam(n: int = 64, *, y: float = 0.03, z: float = 0.01) -> FlexibleBody:
     """A slender beam of 1 m along x with n elements, section y by z, m; its soft bending direction is z."""
-    nodes = np.linspace(0, 1, n + 1)[:, None] * np.eye(3)[0]
+    nodes = points_along_x(1, n)
     model = shell_model(line_mesh(nodes), rectangle(STEEL, y, z, _torsion(y, z), orientation=(0, 1, 0)))
     return flexible_body("beam", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
 
