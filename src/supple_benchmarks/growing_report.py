@@ -12,12 +12,11 @@ from supple.terminal import bar, progress_bars
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.printed import print_files, print_tables
 from supple_benchmarks.progress import Announce
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Report, Row, Table
 
-__all__ = ["Report", "Study", "keep_report", "studied"]
+__all__ = ["Study", "keep_report", "studied"]
 
 Found = TypeVar("Found")
-Report = Mapping[str, Any]
 Study = tuple[str, Callable[[bool], Any]]
 """Name of a study, and the function that performs it, in its quick form or whole."""
 
@@ -54,12 +53,12 @@ def keep_report(
     return found
 
 
-def studied(quick: bool, studies: Mapping[str, Study], announce: Announce) -> Iterator[dict[str, Any]]:
+def studied(quick: bool, studies: Mapping[str, Study], announce: Announce) -> Iterator[Row]:
     """Perform the studies, by their keys; yield the report, ready for JSON, after each.
 
     Tests read the keys of the reports, so they must not change.
     """
-    report: dict[str, Any] = {"quick": quick, "machine": describe_computer()}
+    report: Row = {"quick": quick, "machine": describe_computer()}
     for key, (label, study) in studies.items():
         progress = announce(label)
         progress(0.0)

@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-__all__ = ["Table", "cell", "table_of"]
+__all__ = ["Report", "Row", "Table", "cell", "table_of"]
 
+Report = Mapping[str, Any]
+"""A report, or a part of it, by keys; ready for JSON."""
+Row = dict[str, Any]
+"""A row of a report, by column heads; ready for JSON."""
 Table = tuple[str, list[str], list[list[str]]]
 """Title, column heads, rows."""
 
 
-def table_of(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
+def table_of(title: str, rows: Sequence[Report]) -> Table:
     """The rows of a report, each a mapping from column heads to values, as a table."""
     heads = list(dict.fromkeys(head for row in rows for head in row))
     return title, heads, [[cell(row.get(head)) for head in heads] for row in rows]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -33,6 +32,7 @@ from supple_benchmarks.blade.run import BladeRun
 from supple_benchmarks.compared_models import FRAMES, ROOT, turned_axes
 from supple_benchmarks.nrel5mw_blade import AXIS, BODY, TipMotion
 from supple_benchmarks.progress import Progress
+from supple_benchmarks.table import Row
 
 __all__ = ["animation", "draw_figures"]
 
@@ -92,7 +92,7 @@ def _draw_shapes(run: BladeRun, folder: Path) -> list[Path]:
         nodal = (body.expansion @ vectors).T
         return nodal.reshape(len(nodal), len(body.nodes), -1)[:, :, :3]
 
-    look: dict[str, Any] = {"skin": skin_of(mesh), "camera": _camera()}
+    look: Row = {"skin": skin_of(mesh), "camera": _camera()}
     modes = mode_titles(basis.frequencies / (2 * np.pi), SI)
     return [
         plot_mode_shapes(folder / "modes.png", mesh.nodes, modes=shapes(basis.vectors), titles=modes, **look),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from supple_benchmarks.blade.run import BladeRun
 from supple_benchmarks.compared_models import STRAINS
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.nrel5mw_blade import BladeCase
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Row, Table
 
 __all__ = ["PUBLISHED", "report", "tables"]
 
@@ -25,7 +24,7 @@ PUBLISHED = {
 """Seconds for 100 s of motion, and iterations of the reduced run; [Wu2019] Table 3: MATLAB on eight cores."""
 
 
-def report(run: BladeRun) -> dict[str, Any]:
+def report(run: BladeRun) -> Row:
     """All measurements, ready for JSON; the first six keys must not change."""
     mesh, body = run.benchmark.blade.mesh, run.body
     along_x = body.rigid_modes[:, 0]
@@ -61,7 +60,7 @@ def _offline(run: BladeRun) -> dict[str, dict[str, float]]:
     return offline
 
 
-def _full_numbers(full: FullRun) -> dict[str, Any]:
+def _full_numbers(full: FullRun) -> Row:
     wanted, statistics = full.case, full.solution.statistics
     return {
         "case": wanted.case.name,
@@ -81,7 +80,7 @@ def _full_numbers(full: FullRun) -> dict[str, Any]:
     }
 
 
-def _reduced_numbers(run: BladeRun, rom: ReducedRun) -> dict[str, Any]:
+def _reduced_numbers(run: BladeRun, rom: ReducedRun) -> Row:
     statistics = rom.solution.statistics
     full = run.full_of(rom.case, rom.basis.frame)
     simulated = float(rom.solution.times[-1])
@@ -121,7 +120,7 @@ def _pace(full: FullRun) -> float:
     return full.solution.statistics.seconds / float(full.solution.times[-1])
 
 
-def _rounds(corrected: CorrectedRun) -> list[dict[str, Any]]:
+def _rounds(corrected: CorrectedRun) -> list[Row]:
     truth = corrected.true_errors or (None,) * len(corrected.rounds)
     return [
         {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy import linalg, sparse
@@ -28,6 +28,7 @@ from supple.reduction import (
     rubin_component,
 )
 from supple.reduction.bases.interface_columns import motion_rows, require_interfaces
+from supple_benchmarks.table import Row
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class BasisSize:
     coordinates: int | None
     largest_error: float
 
-    def as_row(self) -> dict[str, Any]:
+    def as_row(self) -> Row:
         """A row of a report, where size is the number of modes."""
         return {
             "basis": self.basis,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from supple.reduction import (
 from supple.reduction.bases.interface_columns import motion_rows, require_interfaces
 from supple.reduction.bases.mode_selection import best_first
 from supple.viz import plot_error_over_parameter
+from supple_benchmarks.table import Row
 
 # A vibration with a smaller fraction of its kinetic energy at the interfaces counts as invisible there.
 VISIBLE = 1e-6
@@ -45,7 +46,7 @@ class SelectionQuality:
     transfer_error: float
     eigenvalue_error: float
 
-    def as_row(self) -> dict[str, Any]:
+    def as_row(self) -> Row:
         """A row of a report."""
         finite = np.isfinite(self.eigenvalue_error)
         return {

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from supple.body import FlexibleBody, RigidInterface, flexible_body
 from supple.fem import HomogeneousSection, Isotropic, shell_model
@@ -16,7 +15,7 @@ from supple_benchmarks.eigenvalue_error.mode_selection import (
     draw_transfer_errors,
 )
 from supple_benchmarks.eigenvalue_error.problem import EigenvalueErrors
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Row, Table
 
 __all__ = ["SelectionStudy", "draw_studies", "selection_studies", "selection_table", "thin_box"]
 
@@ -35,7 +34,7 @@ class SelectionStudy:
     freedoms: int
     qualities: tuple[SelectionQuality, ...]
 
-    def as_row(self) -> dict[str, Any]:
+    def as_row(self) -> Row:
         """Entry of a report."""
         rules = [quality.as_row() for quality in self.qualities]
         return {"body": self.body, "freedoms": self.freedoms, "rules": rules}

@@ -16,8 +16,9 @@ from supple_benchmarks.eigenvalue_error.mode_selection_study import (
 from supple_benchmarks.eigenvalue_error.problem import EigenvalueErrors
 from supple_benchmarks.eigenvalue_error.report import report, tables
 from supple_benchmarks.eigenvalue_error.run import BodyResult, run_eigenvalue_errors
-from supple_benchmarks.growing_report import Report, keep_report
+from supple_benchmarks.growing_report import keep_report
 from supple_benchmarks.progress import Announce
+from supple_benchmarks.table import Report
 
 __all__ = ["perform"]
 

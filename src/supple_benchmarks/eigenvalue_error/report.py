@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.eigenvalue_error.beam_frequencies import BeamFrequency
 from supple_benchmarks.eigenvalue_error.mode_selection_study import SelectionStudy
 from supple_benchmarks.eigenvalue_error.run import ESTIMATORS, BodyResult, ToleranceResult
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Row, Table
 
 __all__ = ["WHY_OTHER_COUNTS", "report", "tables"]
 
@@ -30,7 +29,7 @@ def report(
     results: Sequence[BodyResult],
     beams: Sequence[BeamFrequency],
     selections: Sequence[SelectionStudy] = (),
-) -> dict[str, Any]:
+) -> Row:
     """All measurements, ready for JSON; `bodies` and the keys within must not change.
 
     The entry of the first body is also at the top level, for readers of files with one body.
@@ -46,7 +45,7 @@ def report(
     }
 
 
-def _body(result: BodyResult) -> dict[str, Any]:
+def _body(result: BodyResult) -> Row:
     case = result.case
     return {
         "body": case.name,
@@ -60,7 +59,7 @@ def _body(result: BodyResult) -> dict[str, Any]:
     }
 
 
-def _tolerance(one: ToleranceResult, published: int | None) -> dict[str, Any]:
+def _tolerance(one: ToleranceResult, published: int | None) -> Row:
     required = one.estimated_modes
     return {
         "e": one.tolerance,

@@ -24,6 +24,7 @@ from supple_benchmarks.explicit.dual_coupling import (
     PrakashHjelmstad,
     dual_march,
 )
+from supple_benchmarks.table import Row
 
 __all__ = ["dual_against_primal", "multi_time_steps"]
 
@@ -126,7 +127,7 @@ def dual_against_primal(_quick: bool) -> float:
     return float(np.abs(dual.elements[-1] - whole).max() / np.abs(whole).max())
 
 
-def multi_time_steps(quick: bool) -> list[dict[str, Any]]:
+def multi_time_steps(quick: bool) -> list[Row]:
     """Two time steps compared with one: one row for each motion, scheme and ratio of the steps.
 
     error : largest difference of the final displacements of the elements from those with one time step, over

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from time import process_time
-from typing import Any
 
 import jax
 import numpy as np
@@ -30,6 +29,7 @@ from supple.methods.explicit import (
     modal_subdomain,
 )
 from supple.reduction import Rubin
+from supple_benchmarks.table import Row
 
 __all__ = ["crash"]
 
@@ -88,7 +88,7 @@ def crash(quick: bool) -> dict[str, float]:
     # equal number of modes they halve the error.
     body = flexible_body(_REST, rest, [AveragingInterface("tip", "tip")])
     modal = modal_subdomain(body, Rubin(24))
-    common: dict[str, Any] = {
+    common: Row = {
         "ties": [Tie(At(_NOSE, "root"), _REST)],
         "contacts": [Contact(At(_NOSE, "tip"), RigidPlane((1.2, 0.0, 0.0), (-1.0, 0.0, 0.0)))],
     }

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from supple_benchmarks.table import Table, table_of
+from supple_benchmarks.table import Report, Table, table_of
 
 __all__ = ["tables"]
 
@@ -20,7 +17,7 @@ _TITLES = {
 }
 
 
-def tables(report: Mapping[str, Any]) -> list[Table]:
+def tables(report: Report) -> list[Table]:
     """One table for each study in `_TITLES` that the report contains."""
     found = []
     for key, title in _TITLES.items():

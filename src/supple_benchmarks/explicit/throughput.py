@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from time import process_time
-from typing import Any
 
 import numpy as np
 
@@ -22,13 +21,14 @@ from supple.methods.explicit import (
     StVenantKirchhoff,
     explicit_subdomain,
 )
+from supple_benchmarks.table import Row
 
 __all__ = ["throughput"]
 
 STEEL = Isotropic(210e9, 0.3, 7850.0)
 
 
-def throughput(quick: bool) -> list[dict[str, Any]]:
+def throughput(quick: bool) -> list[Row]:
     """Throughput of HEXA8 and TETRA4, elastic and plastic, without bulk viscosity: one row for each pair."""
     n = 10 if quick else 20
     rows = []

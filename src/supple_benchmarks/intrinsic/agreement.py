@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from time import process_time
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,7 @@ from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, Reduc
 from supple.simulation.equilibrium import equilibrium
 from supple_benchmarks.intrinsic.blade import blade_rows
 from supple_benchmarks.references.elastica import force_for_rotation
+from supple_benchmarks.table import Row
 
 __all__ = ["METHODS", "agreement_rows", "tip_by"]
 
@@ -30,7 +30,7 @@ N_LENGTH = 24
 ENDS = (RigidInterface("root", "root"), AveragingInterface("tip", "tip"))
 
 
-def agreement_rows(quick: bool) -> Iterator[dict[str, Any]]:
+def agreement_rows(quick: bool) -> Iterator[Row]:
     """Rows of the strip compared with the elastica, one per method and rotation, then rows of the blade."""
     for method in METHODS:  # compiles the programs before times are measured
         tip_by(method, 0.05)
@@ -40,7 +40,7 @@ def agreement_rows(quick: bool) -> Iterator[dict[str, Any]]:
     yield from blade_rows(quick)
 
 
-def tip_by(method: str, rotation: float) -> dict[str, Any]:
+def tip_by(method: str, rotation: float) -> Row:
     """A row of the report: the strip by one method, under the force that rotates the tip by `rotation`, rad.
 
     The force is that of the elastica. The error is the distance of the tip from that of the elastica, over

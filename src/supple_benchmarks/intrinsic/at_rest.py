@@ -12,6 +12,7 @@ from supple.methods.intrinsic import CLAMPED, intrinsic_body
 from supple.simulation import equilibrium
 from supple_benchmarks.intrinsic.beams import beam_line
 from supple_benchmarks.references.elastica import elastica
+from supple_benchmarks.table import Row
 
 __all__ = ["bend_of_45_degrees", "elastica_rows", "order_of"]
 
@@ -19,7 +20,7 @@ LOAD = 10.0
 """Load factor P L^2 / (E I) of the elastica."""
 
 
-def elastica_rows(quick: bool) -> Iterator[dict[str, Any]]:
+def elastica_rows(quick: bool) -> Iterator[Row]:
     """Distance of the tip from that of the elastica, over the length, by the number of segments (`nodes`)."""
     along, across, _ = elastica(1.0, 1.0, LOAD)
     for n in (10, 20, 40) if quick else (10, 20, 40, 80):
@@ -29,13 +30,13 @@ def elastica_rows(quick: bool) -> Iterator[dict[str, Any]]:
         yield {"nodes": n, "error": float(np.hypot(tip[0] - along, tip[2] - across))}
 
 
-def order_of(rows: list[dict[str, Any]]) -> float:
+def order_of(rows: list[Row]) -> float:
     """Convergence order of the error with the number of segments."""
     n, error = (np.log([row[key] for row in rows]) for key in ("nodes", "error"))
     return float(-np.polyfit(n, error, 1)[0])
 
 
-def bend_of_45_degrees(_quick: bool) -> dict[str, Any]:
+def bend_of_45_degrees(_quick: bool) -> Row:
     """Tip of an arc of 45 degrees and radius 100 under a dead force of 600 normal to its plane.
 
     The section is a unit square, E = 1e7.

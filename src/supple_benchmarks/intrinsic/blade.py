@@ -46,6 +46,7 @@ from supple.reduction import (
 )
 from supple.simulation.equilibrium import equilibrium
 from supple_benchmarks.nrel5mw_blade import BODY, COARSE_GRID, RATED, SECTION, Blade
+from supple_benchmarks.table import Row
 
 __all__ = ["blade_rows"]
 
@@ -84,7 +85,7 @@ class ClampedBlade(NamedTuple):
         return vector.ravel()
 
 
-def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
+def blade_rows(quick: bool) -> Iterator[Row]:
     """One row per load and method.
 
     The error is None if the method or the full model in mean axes finds no equilibrium.

@@ -8,7 +8,6 @@ warp and buckle, unlike those of the paper.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -21,6 +20,7 @@ from supple.machine import Fixed, Placed, System
 from supple.methods.intrinsic import IntrinsicBody, LoadPath, condense
 from supple.quantities import node_positions
 from supple.simulation import simulate
+from supple_benchmarks.table import Row
 
 __all__ = ["box_against_shells", "parabolic_velocity"]
 
@@ -40,7 +40,7 @@ def parabolic_velocity(body: IntrinsicBody, speed: float) -> np.ndarray:
     return velocity.ravel() @ modes.momenta.reshape(-1, modes.n_modes)
 
 
-def box_against_shells(shells: FlexibleBody, tip: np.ndarray, quick: bool) -> Iterator[dict[str, Any]]:
+def box_against_shells(shells: FlexibleBody, tip: np.ndarray, quick: bool) -> Iterator[Row]:
     """One row for each speed.
 
     largest : largest displacement of the tip on stations, over the length

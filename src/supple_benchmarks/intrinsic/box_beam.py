@@ -6,7 +6,7 @@ The first axial frequency of the shells lies among those of wall modes; a separa
 from __future__ import annotations
 
 from collections import Counter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse.linalg import eigsh
@@ -30,6 +30,7 @@ from supple_benchmarks.intrinsic.slender_box import (
     E,
     slender_frequency,
 )
+from supple_benchmarks.table import Row
 
 __all__ = ["box_beam"]
 
@@ -42,7 +43,7 @@ NEAR = 8
 """Number of shell frequencies computed near the first axial frequency on stations."""
 
 
-def box_beam(quick: bool) -> dict[str, Any]:
+def box_beam(quick: bool) -> Row:
     """Results of the box beam.
 
     frequencies : by kind, rad/s: on stations, of the shells, of a slender beam; error : stations / shells - 1
@@ -94,7 +95,7 @@ def box_on_stations(shells: FlexibleBody, quick: bool) -> IntrinsicBody:
     return condense(shells, LoadPath("root", "tip", 21 if quick else 41), n_modes=35 if quick else 60)
 
 
-def large_vibration(body: IntrinsicBody, quick: bool) -> dict[str, Any]:
+def large_vibration(body: IntrinsicBody, quick: bool) -> Row:
     """Displacement of the tip, and amplitudes q_2 of the modes with the largest q_2, over time."""
     vibration = _vibration(body, SPEED, 0.5 if quick else 2.5)
     q2 = body.forces_of(vibration.coordinates)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +17,7 @@ from supple.viz.style import (
     textbook_style,
 )
 from supple_benchmarks.intrinsic.slender_box import LENGTH, slender_mode
+from supple_benchmarks.table import Report
 
 __all__ = ["draw_box"]
 
@@ -27,7 +26,7 @@ _COMPONENTS = {"flapwise": ("v_z", "m_y", "\\kappa_y"), "torsion": ("w_x", "m_x"
 _DASHED = Stroke(colour=REFERENCE.colour, dashes=REFERENCE.dashes, width=0.8)
 
 
-def draw_box(report: Mapping[str, Any], folder: Path) -> list[Path]:
+def draw_box(report: Report, folder: Path) -> list[Path]:
     """Draw both figures; return their paths."""
     with textbook_style():
         return [
@@ -36,7 +35,7 @@ def draw_box(report: Mapping[str, Any], folder: Path) -> list[Path]:
         ]
 
 
-def _draw_modes(study: Mapping[str, Any], path: Path) -> Path:
+def _draw_modes(study: Report, path: Path) -> Path:
     """One row of panels per kind of mode: velocity, moment, curvature; dashed: modes of the slender beam."""
     figure = new_figure(4.3)
     grid = figure.subplots(2, 3, sharex=True)
@@ -63,7 +62,7 @@ def _draw_modes(study: Mapping[str, Any], path: Path) -> Path:
     return save_figure(figure, path)
 
 
-def _draw_vibration(report: Mapping[str, Any], path: Path) -> Path:
+def _draw_vibration(report: Report, path: Path) -> Path:
     """Displacement of the tip in the upper panel, the largest modal amplitudes in the lower one."""
     figure = new_figure(4.6)
     upper, lower = figure.subplots(2, 1, sharex=True)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from supple.methods.intrinsic import IntrinsicBody
 from supple_benchmarks.intrinsic.slender_box import WIDTH
+from supple_benchmarks.table import Row
 
 __all__ = ["KINDS", "box_modes", "kinds_of"]
 
@@ -26,7 +25,7 @@ def kinds_of(body: IntrinsicBody) -> list[str]:
     return [KINDS[int(np.argmax(motion))] for motion in motions]
 
 
-def box_modes(body: IntrinsicBody) -> dict[str, Any]:
+def box_modes(body: IntrinsicBody) -> Row:
     """Flapwise and torsional modes along the box: velocity, moment, curvature.
 
     Velocities belong to stations, moments and curvatures to the middles of segments. Modes have unit modal

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,13 +10,14 @@ from matplotlib.axes import Axes
 from supple.viz.style import Stroke, draw_curve, new_figure, save_figure, textbook_style
 from supple_benchmarks.intrinsic.box_figures import draw_box
 from supple_benchmarks.intrinsic.u_figures import draw_u
+from supple_benchmarks.table import Report, Row
 
 __all__ = ["draw_figures"]
 
 _POINTS = Stroke(marker="o")
 
 
-def draw_figures(report: Mapping[str, Any], folder: Path) -> list[Path]:
+def draw_figures(report: Report, folder: Path) -> list[Path]:
     """Draw all figures; return their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     return [
@@ -28,7 +27,7 @@ def draw_figures(report: Mapping[str, Any], folder: Path) -> list[Path]:
     ]
 
 
-def _which_method_when(report: Mapping[str, Any], folder: Path) -> Path:
+def _which_method_when(report: Report, folder: Path) -> Path:
     """Error and processor time of the strip by four methods, against the rotation of its tip."""
     rows = [row for row in report["agreement"] if row["body"] == "strip"]
     with textbook_style():
@@ -42,7 +41,7 @@ def _which_method_when(report: Mapping[str, Any], folder: Path) -> Path:
         return save_figure(figure, folder / "which_method_when.png")
 
 
-def _draw(axes: Axes, rows: list[dict[str, Any]], what: str) -> None:
+def _draw(axes: Axes, rows: list[Row], what: str) -> None:
     for rank, method in enumerate(dict.fromkeys(row["method"] for row in rows)):
         own = [row for row in rows if row["method"] == method]
         x = np.array([row["tip_rotation"] for row in own])

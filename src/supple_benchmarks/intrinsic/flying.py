@@ -20,6 +20,7 @@ from supple.methods.intrinsic.stable_step import largest_stable_step
 from supple.simulation import simulate
 from supple_benchmarks.intrinsic.u_beam import of_beam_elements, on_stations, solid_u
 from supple_benchmarks.intrinsic.u_spectrum import eigenvalue_differences, stiffness_pattern
+from supple_benchmarks.table import Row
 
 __all__ = ["energy_drift", "flying_u"]
 
@@ -37,7 +38,7 @@ def _load(time: Any) -> Any:
     return jnp.asarray(FORCE) * jnp.maximum(0.0, 1.0 - jnp.abs(time / (DURATION / 2) - 1.0))
 
 
-def flying_u(quick: bool) -> dict[str, Any]:
+def flying_u(quick: bool) -> Row:
     """Results of the U, by number of stations where it varies.
 
     com_error : `_centre_error`, m;   order : its order of convergence with the number of segments
@@ -71,7 +72,7 @@ def flying_u(quick: bool) -> dict[str, Any]:
     }
 
 
-def _shown(flight: tuple[np.ndarray, Any]) -> dict[str, Any]:
+def _shown(flight: tuple[np.ndarray, Any]) -> Row:
     """Positions of the loaded tip (t, 3), and of all stations (k, n, 3) at the k times of the snapshots."""
     times, (_, places) = flight
     shown = slice(None, None, N_OUTPUTS // N_SNAPSHOTS)
@@ -134,7 +135,7 @@ def _lowest_alone(body: IntrinsicBody, kept: int) -> IntrinsicBody:
     return replace(body, modes=body.modes.truncated(kept), expansion=expansion)
 
 
-def _residual_rows(body: IntrinsicBody, flight: tuple[np.ndarray, Any], quick: bool) -> list[dict[str, Any]]:
+def _residual_rows(body: IntrinsicBody, flight: tuple[np.ndarray, Any], quick: bool) -> list[Row]:
     """Errors of the positions of all stations with truncated and with residual modes: root mean squares, m.
 
     flight : result of `_flown` with all modes, the reference

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from supple_benchmarks.intrinsic.flying import energy_drift, flying_u
 from supple_benchmarks.intrinsic.report import tables
 from supple_benchmarks.intrinsic.speed import speed_rows
 from supple_benchmarks.progress import Announce
+from supple_benchmarks.table import Row
 
 __all__ = ["perform"]
 
@@ -37,7 +37,7 @@ def perform(quick: bool, json: Path | None, folder: Path) -> None:
     )
 
 
-def _with_order(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
+def _with_order(quick: bool, announce: Announce) -> Iterator[Row]:
     for report in studied(quick, _STUDIES, announce):
         if "elastica" in report:
             report["elastica_order"] = order_of(report["elastica"])

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from supple_benchmarks.table import Table, table_of
+from supple_benchmarks.table import Report, Table, table_of
 
 __all__ = ["tables"]
 
 
-def tables(report: Mapping[str, Any]) -> list[Table]:
+def tables(report: Report) -> list[Table]:
     """The tables of the complete report: single numbers in the first, then one table per study."""
     flying = report["u_beam"]
     numbers = {

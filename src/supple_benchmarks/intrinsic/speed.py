@@ -16,6 +16,7 @@ from supple.methods.intrinsic.line_march import runge_kutta_step
 from supple.methods.intrinsic.line_model import line_model
 from supple_benchmarks.intrinsic.beams import beam_line
 from supple_benchmarks.intrinsic.dense_couplings import dense_couplings, dense_rates
+from supple_benchmarks.table import Row
 
 __all__ = ["speed_rows"]
 
@@ -23,7 +24,7 @@ SIZES = ((24, 50), (24, 100), (24, 138), (48, 100))
 """Pairs: number of stations, number of modes."""
 
 
-def speed_rows(quick: bool) -> Iterator[dict[str, Any]]:
+def speed_rows(quick: bool) -> Iterator[Row]:
     """Processor time per step, microseconds, for each pair in `SIZES`: the smallest of five measurements."""
     for nodes, m in SIZES[: 1 if quick else None]:
         points = np.linspace(0, 1, nodes)[:, None] * np.eye(3)[0]

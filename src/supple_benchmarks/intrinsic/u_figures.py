@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,6 +21,7 @@ from supple.viz.style import (
     save_figure,
     textbook_style,
 )
+from supple_benchmarks.table import Report
 
 __all__ = ["draw_u"]
 
@@ -32,7 +31,7 @@ _DASHED = Stroke(colour=REFERENCE.colour, dashes=REFERENCE.dashes, width=0.8)
 _CAMERA = Camera.looking(along=(-0.5, 1.0, -0.45), up=(0.0, 0.0, 1.0))
 
 
-def draw_u(report: Mapping[str, Any], folder: Path) -> list[Path]:
+def draw_u(report: Report, folder: Path) -> list[Path]:
     """Draw all four figures; return their paths."""
     with textbook_style():
         return [
@@ -43,7 +42,7 @@ def draw_u(report: Mapping[str, Any], folder: Path) -> list[Path]:
         ]
 
 
-def _draw_pattern(patterns: Mapping[str, Any], path: Path) -> Path:
+def _draw_pattern(patterns: Report, path: Path) -> Path:
     """Largest stiffness entry of each pair of stations: left beam elements, right the condensed solid."""
     figure = new_figure(3.1)
     grid = figure.subplots(1, 2, sharey=True)
@@ -63,7 +62,7 @@ def _draw_pattern(patterns: Mapping[str, Any], path: Path) -> Path:
     return save_figure(figure, path)
 
 
-def _draw_eigenvalues(differences: Mapping[str, Any], path: Path) -> Path:
+def _draw_eigenvalues(differences: Report, path: Path) -> Path:
     """Relative differences of eigenvalues.
 
     Left: each line of stations compared with the solid. Right: the line with the most stations compared with
@@ -90,7 +89,7 @@ def _draw_differences(axes: Axes, values: list[float], rank: int, label: str) ->
     draw_curve(axes, np.arange(1, len(values) + 1), np.abs(values), _THIN, rank, label)
 
 
-def _draw_errors(report: Mapping[str, Any], path: Path) -> Path:
+def _draw_errors(report: Report, path: Path) -> Path:
     """Error of the centre of mass by segments; errors by retained modes; longest stable step."""
     figure = new_figure(2.7)
     first, second, third = figure.subplots(1, 3)
@@ -125,7 +124,7 @@ def _draw_errors(report: Mapping[str, Any], path: Path) -> Path:
     return save_figure(figure, path)
 
 
-def _draw_flight(flight: Mapping[str, Any], path: Path) -> Path:
+def _draw_flight(flight: Report, path: Path) -> Path:
     """Snapshots to scale, and the displacement of the loaded tip over time; dashed: beam elements."""
     figure = new_figure(3.6)
     left, right = figure.subplots(1, 2, width_ratios=(1.35, 1.0))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from supple.body import FlexibleBody
 from supple.methods.intrinsic import CondensedLine, IntrinsicBody
+from supple_benchmarks.table import Row
 
 __all__ = ["eigenvalue_differences", "stiffness_pattern"]
 
@@ -20,7 +20,7 @@ ZERO = 1e-10
 
 def eigenvalue_differences(
     solid: FlexibleBody, bodies: Mapping[int, IntrinsicBody], beams: IntrinsicBody
-) -> dict[str, Any]:
+) -> Row:
     """Relative differences of the elastic eigenvalues of the free U; every set is in ascending order.
 
     bodies : number of stations -> condensed body, the largest number last

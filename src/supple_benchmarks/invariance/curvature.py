@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from supple_benchmarks.invariance.strip import (
     strip_model,
 )
 from supple_benchmarks.references.elastica import force_for_rotation
+from supple_benchmarks.table import Row
 
 __all__ = ["bent_strips", "turned_strips"]
 
@@ -27,7 +27,7 @@ TURN = 0.2
 """Rotation of the frame relative to the root, rad."""
 
 
-def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
+def bent_strips(quick: bool) -> Iterator[Row]:
     """Distance of the tip from that of the elastica, over the deflection; the frame is on the root."""
     models = {"shell": (strip_model(20), np.array([0.25, 0.5, 0.25])), "beam": (beam_model(40), np.ones(1))}
     for rotation in ROTATIONS[: 1 if quick else None]:
@@ -40,7 +40,7 @@ def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
             yield {"element": element, "tip_rotation": rotation, "error": error}
 
 
-def turned_strips(quick: bool) -> Iterator[dict[str, Any]]:
+def turned_strips(quick: bool) -> Iterator[Row]:
     """The strip under bending and under torsion, in frames rotated about x, y and z.
 
     energy_ratio : strain energy of the same deformation with the frame rotated, over that without rotation

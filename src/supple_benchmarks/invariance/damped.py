@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduc
 from supple_benchmarks.invariance.box import BOX_LENGTH, box_of_beams
 from supple_benchmarks.invariance.clamped import FRAMES, clamped_body
 from supple_benchmarks.invariance.vibration import pushed, swinging_tip
+from supple_benchmarks.table import Row
 
 __all__ = ["damped_boxes"]
 
@@ -19,7 +19,7 @@ BETA = 0.0145
 """Factor of the stiffness, s: a damping ratio of 2 % at the first frequency."""
 
 
-def damped_boxes(quick: bool) -> Iterator[dict[str, Any]]:
+def damped_boxes(quick: bool) -> Iterator[Row]:
     """Largest distance between the tip in the two frames, over the largest deflection, for three dampings.
 
     frames_apart : strain-rate damping;   frames_apart_linear : damping with the stiffness of the undeformed

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from matplotlib.axes import Axes
 
 from supple.viz.style import Stroke, draw_curve, new_figure, save_figure, textbook_style
+from supple_benchmarks.table import Report, Row
 
 __all__ = ["draw_figures"]
 
 _POINTS = Stroke(marker="o")
 
 
-def draw_figures(report: Mapping[str, Any], folder: Path) -> list[Path]:
+def draw_figures(report: Report, folder: Path) -> list[Path]:
     """Draw the error of the split strips against the rotation of the tip; return the path in a list."""
     folder.mkdir(parents=True, exist_ok=True)
     with textbook_style():
@@ -28,7 +27,7 @@ def draw_figures(report: Mapping[str, Any], folder: Path) -> list[Path]:
         return [save_figure(figure, folder / "bending_error.png")]
 
 
-def _draw_frame(axes: Axes, frame: str, rows: list[dict[str, Any]]) -> None:
+def _draw_frame(axes: Axes, frame: str, rows: list[Row]) -> None:
     for rank, k in enumerate(sorted({row["k"] for row in rows})):
         own = [row for row in rows if row["k"] == k]
         x, y = [row["tip_rotation"] for row in own], [row["error"] for row in own]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from supple.reduction import (
 from supple_benchmarks.invariance.box import BOX_LENGTH, box_of_walls, weak_bending
 from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
 from supple_benchmarks.invariance.strip import BENDING, LENGTH, TORSION, WIDTH, strip_model
+from supple_benchmarks.table import Row
 
 __all__ = ["locked_bodies"]
 
@@ -34,7 +34,7 @@ SMALL = 1e-3
 RECIPES = {"nodal-fixed": CraigBampton(10), "mean-axis": Rubin(10)}
 
 
-def locked_bodies(quick: bool) -> Iterator[dict[str, Any]]:
+def locked_bodies(quick: bool) -> Iterator[Row]:
     """Errors of the tip displacement of reduced bodies, relative to the full body in the same frame.
 
     error_before : error with plain tensors;   error : error with the default tensors
@@ -83,9 +83,7 @@ def _nodal(body: FlexibleBody, forces: np.ndarray) -> np.ndarray:
     return load.reshape(-1, 1)
 
 
-def _row(
-    body: FlexibleBody, frame: str, case: str, forces: np.ndarray, recipe: LinearBasisRecipe
-) -> dict[str, Any]:
+def _row(body: FlexibleBody, frame: str, case: str, forces: np.ndarray, recipe: LinearBasisRecipe) -> Row:
     assert body.model is not None
     tip = body.model.mesh.nodes_of("tip")
     watched = tip if case == "uniform" else tip[-1:]

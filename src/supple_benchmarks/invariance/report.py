@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
-from supple_benchmarks.table import Table, table_of
+from supple_benchmarks.table import Report, Table, table_of
 
 __all__ = ["tables"]
 
@@ -21,7 +18,7 @@ _TITLES = {
 }
 
 
-def tables(report: Mapping[str, Any]) -> list[Table]:
+def tables(report: Report) -> list[Table]:
     """One table for each study of the complete report."""
     found = [table_of(title, report[key]) for key, title in _TITLES.items() if key in report]
     found.append(table_of("Lateral buckling, load over theory", [report["lateral_buckling"]]))

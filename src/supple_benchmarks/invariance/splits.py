@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,11 +14,12 @@ from supple.mesh import AlongAxis
 from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
 from supple_benchmarks.invariance.strip import BENDING, LENGTH, strip_model
 from supple_benchmarks.references.elastica import force_for_rotation
+from supple_benchmarks.table import Row
 
 __all__ = ["split_strips"]
 
 
-def split_strips(quick: bool) -> Iterator[dict[str, Any]]:
+def split_strips(quick: bool) -> Iterator[Row]:
     """Distance of the tip from that of the elastica, over the deflection, by frame and number of bodies k."""
     model = strip_model(24)
     weights = np.array([0.25, 0.5, 0.25])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import splu
@@ -14,6 +13,7 @@ from supple.body import FlexibleBody, FullBody, QuadraticStrainForce
 from supple.errors import ConvergenceError
 from supple_benchmarks.invariance.box import BOX_LENGTH, box_of_walls, weak_bending
 from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
+from supple_benchmarks.table import Row
 
 __all__ = ["tied_boxes"]
 
@@ -22,7 +22,7 @@ DEFLECTION = 0.09
 """Deflection of the loaded box over its length, in linear theory."""
 
 
-def tied_boxes(quick: bool) -> Iterator[dict[str, Any]]:
+def tied_boxes(quick: bool) -> Iterator[Row]:
     """Strain energy of the unloaded box with rotated root, whose exact value is 0; effect of the frame.
 
     energy_linear, energy : J, with the root tied to first and to second order in its rotation

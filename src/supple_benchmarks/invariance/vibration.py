@@ -5,8 +5,6 @@ The deflection is about a quarter of the length.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from supple.body import FullBody
@@ -18,6 +16,7 @@ from supple.simulation import simulate
 from supple_benchmarks.invariance.box import BOX_LENGTH, SECTION, beam_stiffness, box_of_beams, weak_bending
 from supple_benchmarks.invariance.clamped import FRAMES, clamped_body
 from supple_benchmarks.references.simo_reissner import straight_beam, swung
+from supple_benchmarks.table import Row
 
 __all__ = ["box_vibration", "pushed", "swinging_tip"]
 
@@ -38,7 +37,7 @@ def pushed(duration: float, deflection: float) -> tuple[np.ndarray, np.ndarray]:
     return times, size * pulse[:, None] * [0.0, 0.5, 1.0]
 
 
-def box_vibration(quick: bool) -> dict[str, Any]:
+def box_vibration(quick: bool) -> Row:
     """Error of the box of beams over time.
 
     error : largest distance of the tip from that of the exact beam, over the largest deflection of the latter

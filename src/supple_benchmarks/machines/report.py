@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from supple.reduction import ReducedBody
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.machines.run import MachineRun, PointHistory, Variant
 from supple_benchmarks.machines.study import APART, Separation, Study
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Row, Table
 
 __all__ = ["QUANTITIES", "report", "tables"]
 
@@ -37,7 +36,7 @@ SHORT = {
 """Short names for a table."""
 
 
-def report(study: Study) -> dict[str, Any]:
+def report(study: Study) -> Row:
     """All measurements, ready for JSON."""
     machine, reference = study.machine, study.reference
     mesh = machine.model.mesh
@@ -78,7 +77,7 @@ def report(study: Study) -> dict[str, Any]:
     }
 
 
-def _cost(run: MachineRun) -> dict[str, Any]:
+def _cost(run: MachineRun) -> Row:
     statistics = run.solution.statistics
     return {
         "seconds": statistics.seconds,
@@ -93,7 +92,7 @@ def _kept(run: MachineRun) -> dict[str, float]:
     return {"energy_drift": run.drift.energy, "joint_drift": run.drift.joints}
 
 
-def _row(study: Study, run: MachineRun) -> dict[str, Any]:
+def _row(study: Study, run: MachineRun) -> Row:
     reduced = run.system.bodies_of(ReducedBody).get(run.body.name)
     proven = reduced.report.certificate if reduced is not None else None
     exact = study.of(Variant.EXACT_MODES)[0]
@@ -146,11 +145,11 @@ def _largest(point: PointHistory) -> dict[str, float]:
     return {quantity: float(np.abs(getattr(point, quantity)).max()) for quantity in QUANTITIES}
 
 
-def _ordered_shares(study: Study, runs: list[MachineRun], against: MachineRun) -> dict[str, Any] | None:
+def _ordered_shares(study: Study, runs: list[MachineRun], against: MachineRun) -> Row | None:
     """Share of the outputs at which each smaller tolerance has the smaller error."""
     if len(runs) < 2:
         return None
-    shares: dict[str, Any] = {}
+    shares: Row = {}
     if against is study.reference:
         shares["deformation"] = ordered_share(study, [run.deformation_error for run in runs])
     # The error of a vibrating node passes through zero repeatedly: its RMS up to each output is compared.
@@ -175,7 +174,7 @@ def ordered_share(study: Study, errors: list[Array]) -> float:
     return float(ordered[compared].mean())
 
 
-def _separation(each: Separation) -> dict[str, Any]:
+def _separation(each: Separation) -> Row:
     coarse, fine = each.solutions
     return {
         "steps": [each.coarse, each.fine],

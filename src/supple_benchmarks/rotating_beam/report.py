@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +10,7 @@ from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.rotating_beam.exact_beam import ExactTip
 from supple_benchmarks.rotating_beam.run import BeamRun, FullRun, ReducedRun
 from supple_benchmarks.rotating_beam.tip_motion import TipMotion, apart
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Row, Table
 
 __all__ = ["PUBLISHED_PEAKS", "PUBLISHED_RMS", "report", "tables"]
 
@@ -34,7 +32,7 @@ def _frame_of_record(run: BeamRun, omega: float) -> FullRun:
     )
 
 
-def _parting(tip: TipMotion, exact: ExactTip) -> dict[str, Any]:
+def _parting(tip: TipMotion, exact: ExactTip) -> Row:
     """Largest distance of a tip from the exact beam's, and the time at which it exceeds 1 % of the peak.
 
     The keys `.._at_the_same_step` compare with the exact beam at the model's own step, which has the same
@@ -68,7 +66,7 @@ def _tip_numbers(tip: TipMotion, steady_from: float) -> dict[str, float]:
     }
 
 
-def report(run: BeamRun) -> dict[str, Any]:
+def report(run: BeamRun) -> Row:
     """All measurements, ready for JSON; the keys `tip`, `roms`, `full` and `machine` must not change."""
     steady = run.problem.steady_from
     speeds = [omega for omega in run.problem.speeds if any(full.omega == omega for full in run.full)]
@@ -110,7 +108,7 @@ def report(run: BeamRun) -> dict[str, Any]:
     }
 
 
-def _reduced_numbers(rom: ReducedRun, exact: ExactTip) -> dict[str, Any]:
+def _reduced_numbers(rom: ReducedRun, exact: ExactTip) -> Row:
     statistics = rom.solution.statistics
     return {
         "frame": rom.full.frame,

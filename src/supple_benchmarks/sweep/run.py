@@ -10,7 +10,6 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -36,6 +35,7 @@ from supple_benchmarks.sweep.certificate_once import make_certificate, plan_with
 from supple_benchmarks.sweep.gradient import gradient_error
 from supple_benchmarks.sweep.kills import killed_sweep
 from supple_benchmarks.sweep.swept_arm import arm_case, arm_table
+from supple_benchmarks.table import Row
 
 __all__ = ["CONTRACT", "QUICK_CASES", "run_benchmark"]
 
@@ -59,15 +59,13 @@ _EXPONENT = 4.0
 _OUTPUT = {"keep": [0], "fatigue": {"exponents": [_EXPONENT]}, "cases_per_share": 16}
 
 
-def run_benchmark(
-    quick: bool, folder: Path, announce: Announce
-) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+def run_benchmark(quick: bool, folder: Path, announce: Announce) -> Iterator[tuple[Row, Row]]:
     """The report and its details, ready for JSON, after every measurement."""
     n, duration = (QUICK_CASES, 0.15) if quick else (1880, 9.999)
     case, table, cores = arm_case(folder, duration), arm_table(n), available_cores()
     plan = make_plan(case, table, SweepOutput.model_validate(_OUTPUT))
-    report: dict[str, Any] = dict.fromkeys(CONTRACT)
-    details: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "simulated": duration}
+    report: Row = dict.fromkeys(CONTRACT)
+    details: Row = {"quick": quick, "machine": describe_computer(), "simulated": duration}
     report["cases"] = n
     certified = folder / "certified"
     announce("certificate")
@@ -119,7 +117,7 @@ def run_benchmark(
     yield report, details
 
 
-def _estimates(folder: Path, status: SweepStatus) -> dict[str, Any]:
+def _estimates(folder: Path, status: SweepStatus) -> Row:
     """Largest estimated error and smallest allowed error of a case, m; number of repeated cases."""
     allowed = SweepColumns(folder).of_cases("allowed_error")
     return {

@@ -12,7 +12,6 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter, process_time
-from typing import Any
 
 import numpy as np
 
@@ -33,6 +32,7 @@ from supple.quantities import WholeBody
 from supple.quantities.quantity_of_interest import quantity_distance
 from supple.results import motion_error
 from supple.simulation import simulate
+from supple_benchmarks.table import Row
 from supple_benchmarks.trust.trust_case import TrustCase, file_name
 
 __all__ = ["assess"]
@@ -42,7 +42,7 @@ TIGHT = 1e-2
 """Newton tolerance of the reference runs, relative to that of the run."""
 
 
-def assess(case: TrustCase, folder: Path, progress: Callable[[float], None]) -> dict[str, Any]:
+def assess(case: TrustCase, folder: Path, progress: Callable[[float], None]) -> Row:
     """The record of a case; its full runs are stored in the folder, and read if present."""
     system, rounds = case.system(), []
     began = perf_counter()
@@ -60,7 +60,7 @@ def assess(case: TrustCase, folder: Path, progress: Callable[[float], None]) -> 
         assessed = [_round_record(each, system, full_runs) for each in rounds]
         progress(0.7)
         last = case.run if corrected is None else corrected.run or case.run
-        record: dict[str, Any] = {
+        record: Row = {
             "name": case.name,
             "freedoms": sum(body.n_coordinates for body in _fulls(system).values()),
             "rounds": assessed,
@@ -85,7 +85,7 @@ def assess(case: TrustCase, folder: Path, progress: Callable[[float], None]) -> 
     return record
 
 
-def _cost(system: System, corrected: CorrectedSystem, run: Run) -> dict[str, Any]:
+def _cost(system: System, corrected: CorrectedSystem, run: Run) -> Row:
     """Processor time of the accepted run and of its basis error estimate, without compilation.
 
     The estimate includes factorisations of the full system; as many factorisations are timed separately.
@@ -111,11 +111,11 @@ def _cost(system: System, corrected: CorrectedSystem, run: Run) -> dict[str, Any
     }
 
 
-def _fulls(system: System) -> dict[str, Any]:
+def _fulls(system: System) -> Row:
     return {each.body.name: each.body for each in system.bodies if each.body.n_coordinates}
 
 
-def _worst(reduced: System, solution: Solution, system: System, exact: Solution) -> dict[str, Any]:
+def _worst(reduced: System, solution: Solution, system: System, exact: Solution) -> Row:
     """Error parts and total error of the body with the largest ratio to its allowed error."""
 
     def true(name: str) -> float:
@@ -132,7 +132,7 @@ def _worst(reduced: System, solution: Solution, system: System, exact: Solution)
     }
 
 
-def _round_record(each: Round, system: System, full_runs: _FullRuns) -> dict[str, Any]:
+def _round_record(each: Round, system: System, full_runs: _FullRuns) -> Row:
     name = each.body.name
     run = each.run or full_runs.case.run
     # The same steps, but a tighter tolerance, so that the residual of the reference does not matter.

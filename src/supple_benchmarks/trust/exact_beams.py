@@ -32,6 +32,7 @@ from supple.reduction import (
 from supple.simulation import simulate
 from supple_benchmarks.progress import Progress
 from supple_benchmarks.references.simo_reissner import straight_beam, swung
+from supple_benchmarks.table import Row
 
 __all__ = ["EXACT_BEAMS", "ExactBeamCase", "assess_by_exact_beam"]
 
@@ -51,7 +52,7 @@ class ExactBeamCase:
     """Positions of the tip (t, 3) at the output times"""
 
 
-def assess_by_exact_beam(case: ExactBeamCase, progress: Progress) -> dict[str, Any]:
+def assess_by_exact_beam(case: ExactBeamCase, progress: Progress) -> Row:
     """Estimated error of the tip of a body of fixed size, and its distance from the exact beam's tip."""
     full, system_of, derivatives, run, tip = case.made()
     body: ReducedBody = reduce(

@@ -9,12 +9,12 @@ import json
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from supple.storage import write_json
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.growing_report import keep_report
 from supple_benchmarks.progress import Announce
+from supple_benchmarks.table import Row
 from supple_benchmarks.trust.assessment import assess
 from supple_benchmarks.trust.cases import CASES, QUICK
 from supple_benchmarks.trust.exact_beams import EXACT_BEAMS, ExactBeamCase, assess_by_exact_beam
@@ -32,12 +32,12 @@ def perform(quick: bool, json: Path | None, folder: Path) -> None:
     keep_report(json or folder / "report.json", partial(_assessed, quick, folder), tables)
 
 
-def _assessed(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[str, Any]]:
+def _assessed(quick: bool, folder: Path, announce: Announce) -> Iterator[Row]:
     """Yields the report, which `write_json` accepts, after every case; its keys must not change.
 
     folder : folder of full runs and of finished cases; those present are read instead of computed
     """
-    report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": [], "exact_beams": []}
+    report: Row = {"quick": quick, "machine": describe_computer(), "cases": [], "exact_beams": []}
     for case in [*QUICK] if quick else [*CASES, *EXACT_BEAMS]:
         progress = announce(case.name)
         progress(0.0)
@@ -58,7 +58,7 @@ def _assessed(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[st
         yield report
 
 
-def coverage(cases: Sequence[dict[str, Any]], beams: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
+def coverage(cases: Sequence[Row], beams: Sequence[Row] = ()) -> Row:
     """Statistics of the estimates from the second round of a body on, and number of wrong acceptances.
 
     Missing estimates, and true errors of exactly zero, are left out; the share of sums includes `beams`.

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from supple.integrate import PARTS
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Report, Table
 
 __all__ = ["tables"]
 
 
-def tables(report: Mapping[str, Any]) -> list[Table]:
+def tables(report: Report) -> list[Table]:
     """Tables of the cases and their totals."""
     heads = (
         *("body", "freedoms", "coordinates", "estimated / true", "sum", "true", "allowed"),
@@ -54,13 +51,13 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
     ]
 
 
-def _ratio(each: Mapping[str, Any]) -> str:
+def _ratio(each: Report) -> str:
     if each["estimated"] is None or not each["true"]:
         return "-"
     return f"{each['estimated'] / each['true']:.2f}"
 
 
-def _cost(cost: Mapping[str, Any] | None) -> str:
+def _cost(cost: Report | None) -> str:
     return "" if cost is None else f"{cost['estimator_seconds'] / cost['run_seconds']:.2g}"
 
 

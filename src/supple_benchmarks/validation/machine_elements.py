@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +36,7 @@ from supple.machine import (
 )
 from supple.quantities import JointMotionSensor
 from supple.simulation import simulate
+from supple_benchmarks.table import Row
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
 
 __all__ = ["CASES"]
@@ -66,7 +66,7 @@ def _body(name: str) -> RigidBody:
 def _workshop() -> dict[str, Array]:
     """Angle, rate, slide and its speed (t, 4) of each joint over one second; key "times": (t,)."""
     along = np.array(X)
-    placed: dict[str, Any] = {
+    placed: Row = {
         "sledge": {"velocity": SPEED * along},
         "buffer": {"velocity": APPROACH * along},
         "soft buffer": {"velocity": APPROACH * along},

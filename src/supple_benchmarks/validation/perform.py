@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 from supple.errors import AccuracyError
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.growing_report import keep_report
 from supple_benchmarks.progress import Announce
+from supple_benchmarks.table import Row
 from supple_benchmarks.validation.report import outside, tables
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
@@ -38,14 +38,14 @@ def perform(quick: bool, json: Path | None, folder: Path) -> None:
         )
 
 
-def run_cases(cases: Iterable[ValidationCase], quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
+def run_cases(cases: Iterable[ValidationCase], quick: bool, announce: Announce) -> Iterator[Row]:
     """Yield the whole report, ready for JSON, after each case; the keys of its rows must not change.
 
     announce : called with the name of the next case; returns the callback for its progress
     A case that raises an exception gets one row with its `failure` and without numbers; the next cases are
     still computed.
     """
-    report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": [], "seconds": {}}
+    report: Row = {"quick": quick, "machine": describe_computer(), "cases": [], "seconds": {}}
     for case in cases:
         done = announce(case.name)
         done(0.0)
@@ -56,7 +56,7 @@ def run_cases(cases: Iterable[ValidationCase], quick: bool, announce: Announce) 
         yield report
 
 
-def _rows(case: ValidationCase) -> list[dict[str, Any]]:
+def _rows(case: ValidationCase) -> list[Row]:
     try:
         return [_row(case.name, each) for each in case.compare()]
     except Exception as error:
@@ -65,7 +65,7 @@ def _rows(case: ValidationCase) -> list[dict[str, Any]]:
         return [{"name": case.name, "quantity": "", **nothing, "source": "", "failure": failure}]
 
 
-def _row(name: str, each: Comparison) -> dict[str, Any]:
+def _row(name: str, each: Comparison) -> Row:
     return {
         "name": name,
         "quantity": each.quantity,

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable
 
 from supple.errors import ArgumentError
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Report, Row, Table
 
 __all__ = ["markdown_table", "outside", "tables", "with_table"]
 
-Row = Mapping[str, Any]
 BEGIN, END = "<!-- table -->", "<!-- end of table -->"
 HEADS = ["case", "quantity", "value", "reference", "error", "allowed"]
 
 
-def outside(report: Mapping[str, Any]) -> list[Row]:
+def outside(report: Report) -> list[Row]:
     """The rows whose error exceeds the allowed one, is not a number, or is missing (failed case)."""
     return [row for row in report["cases"] if not _holds(row)]
 
 
-def tables(report: Mapping[str, Any]) -> list[Table]:
+def tables(report: Report) -> list[Table]:
     """A table of all rows, with a mark on each row of `outside`; a table of the failed cases, if any."""
     rows: list[list[str]] = []
     name = None
