@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.methods.floating.compiled.sequential_vmap import sequential_vmap
+from supple.methods.floating.compiled.newton import sequential_vmap
 
 
 class Weighted(NamedTuple):

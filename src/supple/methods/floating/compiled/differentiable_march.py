@@ -17,7 +17,7 @@ from jax.custom_derivatives import SymbolicZero
 
 from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.elimination import ByLapack
-from supple.methods.floating.compiled.sensitivity_step import StateChange, changed_by_step, state_change
+from supple.methods.floating.compiled.sensitivity_step import StateChange, state_change, step_with_changes
 from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.time_step import substep
 
@@ -61,16 +61,8 @@ def _with_changes(controls: Controls, primals: Any, tangents: Any) -> tuple[Stat
         for own in jax.tree.leaves(by_model, is_leaf=_is_zero)
     ]
     begun = jax.tree.map(_along, state_change(state), state_change(by_state))
-    end_change = _along(end, by_end)
-
-    def one_step(known: tuple[State, StateChange]) -> tuple[State, StateChange]:
-        before, change = known
-        after = substep(ByLapack(), model, controls, end, before)
-        along = partial(changed_by_step, ByLapack(), model, controls, model_change, before, change, after)
-        accepted = after.steps > before.steps
-        return after, jax.lax.cond(accepted, lambda: along(end, end_change), lambda: change)
-
-    last, change = jax.lax.while_loop(lambda known: _goes_on(end, known[0]), one_step, (state, begun))
+    step = partial(step_with_changes, ByLapack(), model, controls, model_change, end, _along(end, by_end))
+    last, change = jax.lax.while_loop(lambda known: _goes_on(end, known[0]), step, (state, begun))
     return last, _as_tangent(last, jax.tree.map(lambda leaf: leaf[0], change))
 
 

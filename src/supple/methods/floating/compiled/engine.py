@@ -12,7 +12,7 @@ import numpy as np
 
 from supple.equations.build_model import build_model
 from supple.equations.checks.start_report import report_start
-from supple.equations.compiled_machine import compiled_start
+from supple.equations.compiled_machine import CompiledMachine, accelerations, compiled_start
 from supple.equations.configuration import SystemMotion
 from supple.equations.control_start import kept_control, resumed_control
 from supple.equations.floating_solution import (
@@ -39,7 +39,6 @@ from supple.methods.floating.compiled.programs import (
     brief_steps,
     march_for,
 )
-from supple.methods.floating.compiled.sampling import sampled_control
 from supple.methods.floating.compiled.state import Controls, State
 
 __all__ = ["CompiledEngine"]
@@ -181,9 +180,22 @@ class CompiledEngine:
         """Integrate to each of the output times; sampled controllers are called at their sample times."""
         if self._sampling is None:
             return self._marched(state, times)
-        sampling, model = self._sampling, self._model
-        return march_sampled(
-            sampling, self._marched, lambda now: sampled_control(sampling, model, now), state, times
+        return march_sampled(self._sampling, self._marched, self._sampled, state, times)
+
+    def _sampled(self, state: State) -> State:
+        """The state after calling the controllers that are due, and accelerations for their new outputs."""
+        if self._sampling is None or self._model is None or state.control is None:
+            return state
+        velocity, configuration = np.asarray(state.velocity), jax.tree.map(np.asarray, state.configuration)
+        time = np.asarray(float(state.time))
+        instant = SystemMotion(time, configuration, velocity, velocity, np.zeros(0))
+        control = self._sampling.called(self._model, instant, state.control)
+        if control is None:
+            return state
+        machine = CompiledMachine(self._sampling.system, self._model)
+        acceleration, multipliers = accelerations(machine, instant, control)
+        return state._replace(
+            acceleration=acceleration, auxiliary=acceleration, multipliers=multipliers, control=control
         )
 
     def _marched(self, state: State, times: np.ndarray) -> Leg[State]:
@@ -202,22 +214,15 @@ class CompiledEngine:
             if parts[-1].failed[-1]:
                 break
         states = parts[0] if len(parts) == 1 else jax.tree.map(lambda *own: np.concatenate(own), *parts)
-        before, after = jax.device_get((state, last))
+        after = jax.device_get(last)
         states = jax.tree.map(lambda leaf: leaf[outputs[outputs < len(leaf)]], states)
         n_reached = int(np.sum(~states.failed))
         return Leg(
             states=jax.tree.map(lambda leaf: leaf[:n_reached], states),
             n_reached=n_reached,
             last=last,
-            statistics=Statistics(
-                steps=int(after.steps - before.steps),
-                iterations=int(after.iterations - before.iterations),
-                rejected_steps=int(after.rejected_steps - before.rejected_steps),
-                factorizations=tangents_made(after) - tangents_made(before),
-                seconds=clock.perf_counter() - ready,
-                compile_seconds=ready - began,
-                largest_error=float(after.largest_error),
-                largest_turn=float(after.largest_turn),
+            statistics=march_statistics(
+                after, clock.perf_counter() - ready, jax.device_get(state), compile_seconds=ready - began
             ),
             stopped=march_failure(self._system, self._run, after) if after.failed else None,
         )
@@ -234,21 +239,28 @@ class CompiledEngine:
         return in_own_coordinates(self._own, found)
 
 
-def tangents_made(state: State) -> int:
-    """Number of tangents computed in the run; where none is frozen, the number of corrections."""
-    return int(state.iterations if state.kept is None else state.kept.made)
+def march_statistics(
+    last: State, seconds: float, first: State | None = None, compile_seconds: float = 0.0
+) -> Statistics:
+    """Counts of steps, iterations and tangents from a first state, or the start of the run, to a last state.
 
+    Where no tangent is frozen, the number of tangents is that of the corrections.
+    """
 
-def march_statistics(last: State, seconds: float) -> Statistics:
-    """Counts of steps, iterations and tangents, and the seconds, from the start to a last state."""
+    def counts(state: State) -> np.ndarray:
+        tangents = state.iterations if state.kept is None else state.kept.made
+        return np.array([state.steps, state.iterations, state.rejected_steps, tangents], dtype=int)
+
+    steps, iterations, rejected, tangents = counts(last) - (0 if first is None else counts(first))
     return Statistics(
-        steps=int(last.steps),
-        iterations=int(last.iterations),
-        rejected_steps=int(last.rejected_steps),
-        factorizations=tangents_made(last),
-        seconds=seconds,
-        largest_error=float(last.largest_error),
-        largest_turn=float(last.largest_turn),
+        int(steps),
+        int(iterations),
+        int(rejected),
+        seconds,
+        compile_seconds,
+        float(last.largest_error),
+        float(last.largest_turn),
+        int(tangents),
     )
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -14,11 +15,12 @@ from supple.integrate import StepRule
 from supple.methods.floating.compiled.contraction import is_predictable, predicted_to_converge
 from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.iterate import ReachedState, Trial, motion_of
-from supple.methods.floating.compiled.sequential_vmap import sequential_vmap
 from supple.methods.floating.compiled.state import State
 from supple.methods.floating.compiled.step_equations import LinearizedStep, correction
 
-__all__ = ["Assessed", "Iteration", "Modified", "newton_pass"]
+__all__ = ["Assessed", "Iteration", "Modified", "newton_pass", "sequential_vmap"]
+
+T = TypeVar("T")
 
 
 class Iteration(NamedTuple):
@@ -83,15 +85,18 @@ def newton_pass(
     converged = trial.converged | stagnant
     trial = trial._replace(converged=converged)
     one_by_one = model.n_velocities >= _FEWEST_SEQUENTIAL and jax.default_backend() == "cpu"
-    correct = _correction_sequential if one_by_one else _correction_where_needed
+    correct = partial(_correction_where_needed, elimination)
+    if one_by_one:  # loads are evaluated before, as arguments are copied
+        held = model.loads_at(start.time + rule.h)
+        changes = sequential_vmap(correct, held, rule, start, trial, linearization)
+    else:
+        changes = correct(model, rule, start, trial, linearization)
     predicted = jnp.zeros((), dtype=bool)
     if is_predictable(model):
         predicted = (
             ~converged & (old.evaluations == 0) & predicted_to_converge(start.contraction, size, rule.h)
         )
-    return Assessed(
-        converged, predicted, *correct(elimination, model, rule, start, trial, linearization), None
-    )
+    return Assessed(converged, predicted, *changes, None)
 
 
 def _correction_where_needed(
@@ -116,12 +121,20 @@ def _correction_where_needed(
     )
 
 
-def _correction_sequential(
-    elimination: DenseElimination, model: Model, rule: StepRule, start: State, *evaluated: Any
-) -> tuple[jax.Array, jax.Array]:
-    """`_correction_where_needed`, case by case; loads are evaluated first, as arguments are copied."""
-    held = model.loads_at(start.time + rule.h)
-    return sequential_vmap(partial(_correction_where_needed, elimination), held, rule, start, *evaluated)
+def sequential_vmap(function: Callable[..., T], *arguments: object) -> T:
+    """`function(*arguments)`; under `jax.vmap` the cases are computed one after the other.
+
+    A condition then stays a branch for each case, whereas mapped cases all compute both sides. Many small
+    operations cost as little as in a program of one case.
+    """
+    leaves, structure = jax.tree.flatten(arguments)
+
+    # Leaf by leaf: classes that check their fields do not accept the flags that JAX would put in their place.
+    @jax.custom_batching.sequential_vmap
+    def of_leaves(each: list[jax.Array]) -> T:
+        return function(*structure.unflatten(each))
+
+    return of_leaves([jnp.asarray(leaf) for leaf in leaves])
 
 
 _FEWEST_SEQUENTIAL = 16

@@ -12,15 +12,14 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.programs import STOPS_AT_ONCE, ends_before_compiling, program_pair
-from supple.methods.floating.compiled.sensitivity_step import StateChange, changed_by_step
+from supple.methods.floating.compiled.sensitivity_step import StateChange, step_with_changes
 from supple.methods.floating.compiled.state import Controls, State
-from supple.methods.floating.compiled.time_step import substep
+from supple.methods.floating.compiled.time_step import through_stops
 
 __all__ = ["MarchChanges", "MarchedWithChanges", "march_with_changes"]
 
@@ -79,36 +78,16 @@ def _march(
     stop_changes: jax.Array,
 ) -> tuple[State, StateChange, State, StateChange]:
     """`march` with derivatives: last state and its derivatives, then states and derivatives at the stops."""
-    shown = start._replace(kept=None), change
-    rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)
 
-    def unfinished(march: tuple[Any, ...]) -> jax.Array:
-        row = march[0]
-        return (row < len(stops)) & ((row == 0) | (stops[row] > stops[row - 1]))
-
-    def one_step(row: jax.Array, known: tuple[State, StateChange]) -> tuple[State, StateChange]:
-        before, change = known
-        after = substep(elimination, model, controls, stops[row], before)
-        along = partial(changed_by_step, elimination, model, controls, model_change, before, change, after)
-        accepted = after.steps > before.steps
-        return after, jax.lax.cond(accepted, lambda: along(stops[row], stop_changes[:, row]), lambda: change)
-
-    def to_stop(march: tuple[Any, ...]) -> tuple[Any, ...]:
-        row, state, change, every = march
-        state, change = jax.lax.while_loop(
-            lambda known: (known[0].time < stops[row]) & ~known[0].failed,
-            partial(one_step, row),
-            (state, change),
+    def to_stop(row: jax.Array, known: tuple[State, StateChange]) -> tuple[State, StateChange]:
+        step = partial(
+            step_with_changes, elimination, model, controls, model_change, stops[row], stop_changes[:, row]
         )
-        every = jax.tree.map(
-            lambda rows, own: jax.lax.dynamic_update_index_in_dim(rows, own, row, 0),
-            every,
-            (state._replace(kept=None), change),
-        )
-        return row + 1, state, change, every
+        return jax.lax.while_loop(lambda known: (known[0].time < stops[row]) & ~known[0].failed, step, known)
 
-    begun = jax.tree.map(jnp.asarray, (jnp.asarray(0), start, change, rows))
-    _, last, change, (states, changes) = jax.lax.while_loop(unfinished, to_stop, begun)
+    (last, change), (states, changes) = through_stops(
+        (start, change), stops, to_stop, lambda known: (known[0]._replace(kept=None), known[1])
+    )
     return last, change, states, changes
 
 

@@ -29,9 +29,9 @@ from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.iterate import evaluate, motion_of, place
 from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.step_equations import LinearizedStep, step_inverse
-from supple.methods.floating.compiled.time_step import equal_steps, is_last
+from supple.methods.floating.compiled.time_step import equal_steps, is_last, substep
 
-__all__ = ["Carried", "StateChange", "changed_by_step", "state_change"]
+__all__ = ["Carried", "StateChange", "changed_by_step", "state_change", "step_with_changes"]
 
 _EXACT = 1e-9
 """Largest last correction, relative to the derivative, of accelerations and multipliers."""
@@ -76,11 +76,28 @@ class _Solved(NamedTuple):
     multipliers: Any
 
 
+def step_with_changes(
+    elimination: DenseElimination,
+    model: Model,
+    controls: Controls,
+    model_change: Sequence[AnyArray | None],
+    end: jax.Array,
+    end_change: jax.Array,
+    known: tuple[State, StateChange],
+) -> tuple[State, StateChange]:
+    """A state and its derivatives after trying one step; arguments as for `changed_by_step`."""
+    before, change = known
+    after = substep(elimination, model, controls, end, before)
+    along = partial(changed_by_step, elimination, model, controls, model_change, before, change, after)
+    accepted = after.steps > before.steps
+    return after, jax.lax.cond(accepted, lambda: along(end, end_change), lambda: change)
+
+
 def changed_by_step(
     elimination: DenseElimination,
     model: Model,
     controls: Controls,
-    model_change: Sequence[Any],
+    model_change: Sequence[AnyArray | None],
     before: State,
     change: StateChange,
     after: State,
@@ -112,7 +129,7 @@ def changed_by_step(
 
 
 def _equations(
-    model: Model, controls: Controls, model_change: Sequence[Any], before: State, end: jax.Array
+    model: Model, controls: Controls, model_change: Sequence[AnyArray | None], before: State, end: jax.Array
 ) -> tuple[Callable[..., Any], list[Any]]:
     """Residuals and end state of a step as a function of the model's varying leaves; and these leaves."""
     leaves, structure = jax.tree.flatten(model)

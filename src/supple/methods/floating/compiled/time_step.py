@@ -6,8 +6,9 @@ modified Newton iteration (`modified_newton`) where the tangent is frozen.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -26,7 +27,10 @@ from supple.methods.floating.compiled.modified_newton import modified_pass, used
 from supple.methods.floating.compiled.newton import Iteration, Modified, newton_pass
 from supple.methods.floating.compiled.state import Controls, State
 
-__all__ = ["equal_steps", "is_last", "march", "substep"]
+__all__ = ["equal_steps", "is_last", "march", "substep", "through_stops"]
+
+C = TypeVar("C")
+Shown = TypeVar("Shown")
 
 
 class _Stepped(NamedTuple):
@@ -191,34 +195,45 @@ def substep(
     return jax.tree.map(lambda a, b: jnp.where(accepted, a, b), after, before)
 
 
+def through_stops(
+    begun: C, stops: jax.Array, to_stop: Callable[[jax.Array, C], C], shown: Callable[[C], Shown]
+) -> tuple[C, Shown]:
+    """Integrate to each of the stops (k,), ascending; the end, and what is `shown` at the stops, stacked.
+
+    to_stop : integration to the stop of a number
+    Integration ends before the first stop that repeats the previous one; the rows from there on are zero.
+    """
+    begun = jax.tree.map(jnp.asarray, begun)
+    rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *leaf.shape), leaf.dtype), shown(begun))
+
+    def unfinished(march: tuple[jax.Array, C, Shown]) -> jax.Array:
+        row = march[0]
+        return (row < len(stops)) & ((row == 0) | (stops[row] > stops[row - 1]))
+
+    def one(march: tuple[jax.Array, C, Shown]) -> tuple[jax.Array, C, Shown]:
+        row, now, every = march
+        now = to_stop(row, now)
+        every = jax.tree.map(
+            lambda rows, own: jax.lax.dynamic_update_index_in_dim(rows, own, row, 0), every, shown(now)
+        )
+        return row + 1, now, every
+
+    return jax.lax.while_loop(unfinished, one, (jnp.asarray(0), begun, rows))[1:]
+
+
 def march(
     elimination: DenseElimination, model: Model, controls: Controls, start: State, stops: jax.Array
 ) -> tuple[State, State]:
     """Integrate to each of the stops (k,), ascending; the final state, and the stacked states at the stops.
 
-    Integration ends before the first stop that repeats the previous one; the rows from there on are zero.
     After a failed step the state does not change any more: the caller must check `failed`.
     """
-    shown = start._replace(kept=None)
-    rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)
 
-    def unfinished(march: tuple[jax.Array, State, State]) -> jax.Array:
-        row = march[0]
-        return (row < len(stops)) & ((row == 0) | (stops[row] > stops[row - 1]))
-
-    def to_stop(march: tuple[jax.Array, State, State]) -> tuple[jax.Array, State, State]:
-        row, state, states = march
-        state = jax.lax.while_loop(
+    def to_stop(row: jax.Array, state: State) -> State:
+        return jax.lax.while_loop(
             lambda s: (s.time < stops[row]) & ~s.failed,
             partial(substep, elimination, model, controls, stops[row]),
             state,
         )
-        states = jax.tree.map(
-            lambda every, own: jax.lax.dynamic_update_index_in_dim(every, own, row, 0),
-            states,
-            state._replace(kept=None),
-        )
-        return row + 1, state, states
 
-    start = jax.tree.map(jnp.asarray, start)
-    return jax.lax.while_loop(unfinished, to_stop, (jnp.asarray(0), start, rows))[1:]
+    return through_stops(start, stops, to_stop, lambda state: state._replace(kept=None))
