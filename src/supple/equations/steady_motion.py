@@ -103,6 +103,14 @@ class SteadyEquations:
         """Positions of the motions of each body in the linear equations."""
         return self.machine.slices
 
+    def moved(self, configuration: Any, increment: np.ndarray) -> Any:
+        """The configuration after an increment (n,)."""
+        return self.machine.moved(configuration, increment)
+
+    def bodies_at(self, configuration: Any) -> Configuration:
+        """The configuration of the bodies; here the configuration itself."""
+        return configuration
+
 
 class LinearEquations(NamedTuple):
     """`M p'' + C p' + K p + G^T l = H z`, `G p = 0`, in axes that rotate with the bodies."""

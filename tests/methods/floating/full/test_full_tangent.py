@@ -7,7 +7,8 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame, RayleighDamping
 from supple.integrate import StepFactors
-from supple.methods.floating.full.full_interior import InteriorState, prepare_interior, tangent_point
+from supple.methods.floating.full.full_interior import prepare_interior
+from supple.methods.floating.full.full_state import InteriorState
 from supple.methods.floating.full.full_tangent import LARGEST_TURN, FullTangent
 
 FACTORS = StepFactors(by_position=3e-5, by_velocity=7e-3)
@@ -54,16 +55,16 @@ def test_it_is_how_the_forces_follow_the_accelerations(blade, motion):
         return (forces.inertia + forces.internal + forces.applied)[6:]
 
     change = (residual(1e-2) - residual(-1e-2)) / 2e-2
-    point = tangent_point(state(blade, *motion), FACTORS)
-    solved = interior.tangent.exact(point).factor.solve(change)
+    point = state(blade, *motion), FACTORS
+    solved = interior.tangent.exact(*point).factor.solve(change)
     np.testing.assert_allclose(solved, d, atol=1e-6 * np.abs(d).max())
 
 
 def test_the_symmetric_factor_is_of_the_symmetric_part(blade, motion):
     interior = interior_of(blade, beta=1e-4)
-    point = tangent_point(state(blade, *motion), FACTORS)
-    whole = dense(interior, point, interior.tangent.exact(point))
-    symmetric = dense(interior, point, interior.tangent.symmetric(point))
+    point = state(blade, *motion), FACTORS
+    whole = dense(interior, point, interior.tangent.exact(*point))
+    symmetric = dense(interior, point, interior.tangent.symmetric(*point))
     scale = np.abs(whole).max()
     assert np.abs(whole - whole.T).max() > 1e-6 * scale  # or it would be no test
     np.testing.assert_allclose(symmetric, (whole + whole.T) / 2, atol=1e-9 * scale)
@@ -73,15 +74,15 @@ def test_the_factor_of_a_linear_body_is_kept_while_it_turns_little(blade, motion
     made = []
     original = FullTangent.exact
 
-    def counted(self, point):
+    def counted(self, *point):
         made.append(point)
-        return original(self, point)
+        return original(self, *point)
 
     monkeypatch.setattr(FullTangent, "exact", counted)
     tangent = interior_of(blade.linearized()).tangent
 
     def at(spin, factors=FACTORS):
-        return tangent.serving(tangent_point(state(blade, *motion, spin=(0.3, -2.0, spin)), factors))
+        return tangent.serving(state(blade, *motion, spin=(0.3, -2.0, spin)), factors)
 
     first = at(9.0)
     assert at(9.0 + 0.9 * LARGEST_TURN / FACTORS.by_velocity) is first
@@ -91,6 +92,6 @@ def test_the_factor_of_a_linear_body_is_kept_while_it_turns_little(blade, motion
     at(9.0, StepFactors(2 * FACTORS.by_position, FACTORS.by_velocity))
     assert len(made) == 3
     nonlinear = interior_of(blade).tangent
-    nonlinear.serving(tangent_point(state(blade, *motion), FACTORS))
-    nonlinear.serving(tangent_point(state(blade, *motion), FACTORS))
+    nonlinear.serving(state(blade, *motion), FACTORS)
+    nonlinear.serving(state(blade, *motion), FACTORS)
     assert len(made) == 5

@@ -161,9 +161,9 @@ def test_high_spin_takes_the_unsymmetric_tangent(monkeypatch):
     for name in ("exact", "symmetric"):
         original = getattr(FullTangent, name)
 
-        def noted(self, point, name=name, original=original):
+        def noted(self, *point, name=name, original=original):
             kinds.append(name)
-            return original(self, point)
+            return original(self, *point)
 
         monkeypatch.setattr(FullTangent, name, noted)
     run = options(h=1e-2, duration=0.1)

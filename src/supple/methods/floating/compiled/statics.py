@@ -8,7 +8,7 @@ from functools import cached_property
 import jax
 import numpy as np
 
-from supple.equations.balance import Balance, balance
+from supple.equations.balance import balance
 from supple.equations.build_model import build_model
 from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.compiler_options import STARTING
@@ -19,7 +19,6 @@ from supple.equations.control_linearization import LinearControl, control_at_res
 from supple.equations.coordinate_scales import kinds_of_rows, known_position_scale
 from supple.equations.floating_solution import floating_solution
 from supple.equations.joint_force import joint_rows
-from supple.equations.machine_model import Model
 from supple.equations.static_search import (
     ROUND_OFF,
     EquilibriumResidual,
@@ -109,14 +108,6 @@ class CompiledStatics(SteadyEquations):
         change = -np.asarray(_solved(bordered))
         return StaticStep(k * change[:n], size * change[n : n + m], control=states * change[n + m :])
 
-    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
-        """The configuration after an increment (n,)."""
-        return self.machine.moved(configuration, increment)
-
-    def bodies_at(self, configuration: Configuration) -> Configuration:
-        """The configuration itself, which is that of the bodies."""
-        return configuration
-
     def linear_equations(self, state: StaticState, time: float) -> LinearEquations:
         """The equations of motion, linearised about a state."""
         model, motion = self.machine.model, self._motion(state, time)
@@ -187,10 +178,6 @@ def _with_states(
     return whole, scale
 
 
-def _balanced(model: Model, motion: SystemMotion) -> Balance:
-    """The terms of the equations of motion, by a program compiled quickly."""
-    return balance(model, motion)
-
-
-balanced = CachedProgram(_balanced, STARTING)
+balanced = CachedProgram(balance, STARTING)
+"""The terms of the equations of motion, by a program compiled quickly."""
 _solved = CachedProgram(solve_bordering_column, STARTING)

@@ -6,6 +6,7 @@ The loop over time steps is in Python, because each iteration solves with sparse
 from __future__ import annotations
 
 import time as clock
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -34,24 +35,17 @@ from supple.methods.floating.full.predictor import (
     earlier_numbers,
     earlier_of,
     predicted_unknowns,
-    unknowns_of,
 )
 
 __all__ = ["FullEngine"]
 
 
 class March(NamedTuple):
-    """A state, the size of the next step to try, and the counts since the start."""
+    """A state, the size of the next step to try, and the counts since the start of a leg."""
 
     state: FullState
     step: float
-    steps: int = 0
-    iterations: int = 0
-    rejected_steps: int = 0
-    factorizations: int = 0
-    decades: float = 0.0
-    largest_error: float = 0.0
-    largest_turn: float = 0.0
+    statistics: Statistics = Statistics()
     earlier: Earlier | None = None
     """None before the first step"""
     kept: FrozenTangent | None = None
@@ -125,7 +119,7 @@ class FullEngine:
         """Integrate step by step to each of the output times."""
         began = clock.perf_counter()
         reached: list[FullState] = []
-        before, stopped = state, None
+        state, stopped = state._replace(statistics=Statistics()), None
         stops, outputs = self._stops.on_the_way(state.state.time, times)
         for number, end in enumerate(stops):
             if end > state.state.time:  # controllers due at the end are called when the run continues
@@ -139,16 +133,7 @@ class FullEngine:
                 break
             if number in outputs:
                 reached.append(state.state)
-        statistics = Statistics(
-            steps=state.steps - before.steps,
-            iterations=state.iterations - before.iterations,
-            rejected_steps=state.rejected_steps - before.rejected_steps,
-            factorizations=state.factorizations - before.factorizations,
-            decades=state.decades - before.decades,
-            seconds=clock.perf_counter() - began,
-            largest_error=state.largest_error,
-            largest_turn=state.largest_turn,
-        )
+        statistics = replace(state.statistics, seconds=clock.perf_counter() - began)
         return Leg((reached, state), len(reached), state, statistics, stopped)
 
     def _sampled(self, state: FullState) -> FullState:
@@ -178,28 +163,24 @@ class FullEngine:
                 if converged
                 else h / 2
             )
-            march = march._replace(
-                step=proposed,
-                iterations=march.iterations + found.iterations,
-                factorizations=march.factorizations + found.factorizations,
-                decades=march.decades + found.decades,
-                kept=found.kept,
+            accepted = converged and error <= control.tolerance
+            cost = Statistics(
+                steps=int(accepted),
+                iterations=found.iterations,
+                rejected_steps=int(not accepted),
+                factorizations=found.factorizations,
+                decades=found.decades,
+                largest_error=float(error) if accepted else 0.0,
+                largest_turn=self._turn(march.state, new, h) if accepted else 0.0,
             )
-            if converged and error <= control.tolerance:
+            march = march._replace(step=proposed, kept=found.kept, statistics=march.statistics + cost)
+            if accepted:
                 if h >= remaining * (1 - 1e-9):
                     new = new._replace(time=end)
                 new = self._machine.ended(new)
-                march = march._replace(
-                    earlier=Earlier(unknowns_of(march.state), h),
-                    state=new,
-                    steps=march.steps + 1,
-                    largest_error=max(march.largest_error, float(error)),
-                    largest_turn=max(march.largest_turn, self._turn(march.state, new, h)),
-                )
-            else:
-                march = march._replace(rejected_steps=march.rejected_steps + 1)
-                if march.step < control.least:
-                    return march, found.relative_residual
+                march = march._replace(earlier=Earlier(march.state.unknowns, h), state=new)
+            elif march.step < control.least:
+                return march, found.relative_residual
         return march, None
 
     def _local_error(self, start: FullState, end: FullState, h: float) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 
 from supple.integrate import StepFactors
 from supple.methods.floating.full.elimination import Elimination
-from supple.methods.floating.full.full_interior import InteriorState
+from supple.methods.floating.full.full_state import InteriorState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.full_tangent import FullTangent
 

@@ -27,9 +27,10 @@ from supple.integrate import StepFactors
 from supple.machine import NodalLoad
 from supple.methods.floating.full.elimination import Elimination, elimination
 from supple.methods.floating.full.full_damping import FullDamping, full_damping
-from supple.methods.floating.full.full_tangent import Factored, FullTangent, TangentPoint, full_tangent
+from supple.methods.floating.full.full_state import InteriorState
+from supple.methods.floating.full.full_tangent import Factored, FullTangent, full_tangent
 
-__all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior", "tangent_point"]
+__all__ = ["FullInterior", "InteriorForces", "prepare_interior"]
 
 
 MOST_PREPARED = 4
@@ -56,26 +57,6 @@ class _LoadForces(NamedTuple):
     """(k, 3)"""
     by_rotation: np.ndarray
     """(k, 3, 3)"""
-
-
-class InteriorState(NamedTuple):
-    """Motion of one full body: its frame, angular quantities in body components, and its coordinates."""
-
-    rotation: np.ndarray
-    coordinates: np.ndarray
-    rates: np.ndarray
-    accelerations: np.ndarray
-    angular_velocity: np.ndarray
-    angular_acceleration: np.ndarray
-    acceleration: np.ndarray
-    """Global acceleration of the frame origin minus gravity."""
-    frame_multipliers: np.ndarray
-    time: float
-
-
-def tangent_point(state: InteriorState, factors: StepFactors) -> TangentPoint:
-    """The quantities that the tangent of an interior depends on."""
-    return TangentPoint(state.coordinates, state.angular_velocity, state.angular_acceleration, factors)
 
 
 class InteriorForces(NamedTuple):
@@ -271,10 +252,6 @@ class FullInterior:
         return columns, rows, corner
 
 
-def _unit_rows(rows: np.ndarray) -> np.ndarray:
-    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
-
-
 def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -> FullInterior:
     """The part of a full body that is constant over all steps."""
     return replace(
@@ -290,7 +267,8 @@ def _unloaded_interior(full: FullBody) -> FullInterior:
     body = full.body
     inertia = FullInertia(body)
     damping = full_damping(full)
-    interface_rows, frame_rows = full.interface_motions, _unit_rows(full.frame.constraint(body))
+    interface_rows, frame_rows = full.interface_motions, full.frame.constraint(body)
+    frame_rows = frame_rows / np.linalg.norm(frame_rows, axis=1, keepdims=True)
     couplings = np.column_stack([interface_rows.T.toarray(), frame_rows.T])
     return FullInterior(
         index=0,

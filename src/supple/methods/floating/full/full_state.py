@@ -9,9 +9,16 @@ import numpy as np
 from supple.equations.balance import Balance
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion
 from supple.equations.station_body import BodyState, Stations
-from supple.methods.floating.full.full_interior import InteriorState
 
-__all__ = ["Evaluation", "FullState", "LineEvaluation", "Targets"]
+__all__ = ["Evaluation", "FullState", "InteriorState", "LineEvaluation", "Targets", "Unknowns"]
+
+
+class Unknowns(NamedTuple):
+    """Unknowns of a step, or changes of them."""
+
+    acceleration: np.ndarray
+    multipliers: np.ndarray
+    frame_multipliers: tuple[np.ndarray, ...]
 
 
 class FullState(NamedTuple):
@@ -26,6 +33,26 @@ class FullState(NamedTuple):
     frame_multipliers: tuple[np.ndarray, ...]
     control: ControlStep | None = None
     """Controllers in the step that ends here (length 0 after `FullSystem.ended`); None without controllers"""
+
+    @property
+    def unknowns(self) -> Unknowns:
+        """The unknowns of the step that ends here."""
+        return Unknowns(self.acceleration, self.multipliers, self.frame_multipliers)
+
+
+class InteriorState(NamedTuple):
+    """Motion of one full body: its frame, angular quantities in body components, and its coordinates."""
+
+    rotation: np.ndarray
+    coordinates: np.ndarray
+    rates: np.ndarray
+    accelerations: np.ndarray
+    angular_velocity: np.ndarray
+    angular_acceleration: np.ndarray
+    acceleration: np.ndarray
+    """Global acceleration of the frame origin minus gravity."""
+    frame_multipliers: np.ndarray
+    time: float
 
 
 Targets = tuple[np.ndarray, tuple[np.ndarray, ...]]

@@ -47,12 +47,17 @@ from supple.methods.floating.full.bordered_solve import Border, EliminatedInteri
 from supple.methods.floating.full.elimination import Elimination
 from supple.methods.floating.full.full_interior import (
     FullInterior,
-    InteriorState,
     prepare_interior,
-    tangent_point,
 )
-from supple.methods.floating.full.full_state import Evaluation, FullState, LineEvaluation, Targets
-from supple.methods.floating.full.full_tangent import Factored, FullTangent, TangentPoint
+from supple.methods.floating.full.full_state import (
+    Evaluation,
+    FullState,
+    InteriorState,
+    LineEvaluation,
+    Targets,
+    Unknowns,
+)
+from supple.methods.floating.full.full_tangent import Factored, FullTangent
 from supple.programs.program_cache import CachedProgram
 
 __all__ = ["FullSystem"]
@@ -102,28 +107,19 @@ class FullSystem:
         self.model = station_model(self.seen, len(system.bodies) - len(self.lines), active)
         self.interior_of = {interior.index: interior for interior in self.interiors}
         self.line_of = {line.index: number for number, line in enumerate(self.lines)}
-        self.border_slices = self._border_slices()
-        self.joint_slices = self._seen_slices()
+        self.border_slices = self._slices_with([6 * line.n_stations for line in self.lines])
+        """Numbers in the border of each body's velocities: of frame and interfaces, or of stations"""
+        self.joint_slices = self._slices_with([6 + sizes[line.index] for line in self.lines])
+        """`border_slices` with the velocities of bodies with stations instead of those of the stations"""
 
-    def _border_slices(self) -> tuple[slice, ...]:
-        """Numbers in the border of each body's velocities: of frame and interfaces, or of stations."""
-        parts = iter(self.model.slices)
-        known = {index: next(parts) for index in range(len(self.system.bodies)) if index not in self.line_of}
-        first = max((part.stop for part in known.values()), default=0)
-        for line in self.lines:
-            known[line.index] = slice(first, first + 6 * line.n_stations)
-            first += 6 * line.n_stations
-        return tuple(known[index] for index in range(len(self.system.bodies)))
-
-    def _seen_slices(self) -> tuple[slice, ...]:
-        """`_border_slices` with the velocities of bodies with stations instead of those of the stations."""
-        parts = list(self.border_slices)
-        first = max((parts[index].stop for index in self._others), default=0)
-        for line in self.lines:
-            size = self.slices[line.index].stop - self.slices[line.index].start
+    def _slices_with(self, sizes: Sequence[int]) -> tuple[slice, ...]:
+        """Slices of all bodies, where bodies with stations have these sizes and follow the others."""
+        parts = dict(zip(self._others, self.model.slices, strict=False))
+        first = max((part.stop for part in parts.values()), default=0)
+        for line, size in zip(self.lines, sizes, strict=True):
             parts[line.index] = slice(first, first + size)
             first += size
-        return tuple(parts)
+        return tuple(parts[index] for index in range(len(self.system.bodies)))
 
     @property
     def _others(self) -> list[int]:
@@ -398,7 +394,7 @@ class FullSystem:
         targets: Targets,
         increments: np.ndarray,
         factors: StepFactors,
-    ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+    ) -> Unknowns:
         """Solve the bordered system for the change of accelerations, multipliers and frame multipliers.
 
         targets : required values of the constraint rows and the frame conditions of each full body
@@ -416,11 +412,11 @@ class FullSystem:
         states: tuple[InteriorState, ...],
         turns: np.ndarray,
         factors: StepFactors,
-        factor: Callable[[FullTangent, TangentPoint], Factored],
+        factor: Callable[[FullTangent, InteriorState, StepFactors], Factored],
     ) -> tuple[Elimination, ...]:
         """Eliminations of all interiors, with the `factor` of their tangents."""
         return tuple(
-            interior.eliminate(state, turn, factors, factor(interior.tangent, tangent_point(state, factors)))
+            interior.eliminate(state, turn, factors, factor(interior.tangent, state, factors))
             for interior, state, turn in zip(self.interiors, states, turns, strict=True)
         )
 
@@ -431,7 +427,7 @@ class FullSystem:
         targets: Targets,
         increments: np.ndarray,
         factors: StepFactors,
-    ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+    ) -> Unknowns:
         """`correction` for interiors that are already eliminated."""
         model = self.model
         stations = tuple(line.stations for line in evaluation.lines)
@@ -474,7 +470,7 @@ class FullSystem:
         parts = [change.border[part] for part in self.joint_slices]
         for interior, own in zip(self.interiors, change.interiors, strict=True):
             parts[interior.index] = np.concatenate([parts[interior.index][:6], own])
-        return np.concatenate(parts), change.multipliers, change.frame_multipliers
+        return Unknowns(np.concatenate(parts), change.multipliers, change.frame_multipliers)
 
     def _with_lines(
         self,
@@ -576,7 +572,7 @@ class FullSystem:
     ) -> np.ndarray:
         """Solution x of `M x + G^T y + D^T z = 0`, `G x = - residual`, `D x = - D velocity`."""
         drifts = tuple(
-            -interior.frame_rows @ velocity[self._coordinates(interior)] for interior in self.interiors
+            -interior.frame_rows @ velocity[self.slices[interior.index]][6:] for interior in self.interiors
         )
         ((change, _),) = self._pushed(configuration, [(-joint_residual, drifts)])
         return change
@@ -602,11 +598,6 @@ class FullSystem:
         return [
             self.correction_behind(eliminations, balanced, target, none, factors)[:2] for target in targets
         ]
-
-    def _coordinates(self, interior: FullInterior) -> slice:
-        """Numbers of a full body's coordinates among the velocities."""
-        part = self.slices[interior.index]
-        return slice(part.start + 6, part.stop)
 
     def check_frames(self, configuration: Configuration) -> None:
         """Raise ModelError for an initial deformation that moves the frame of its body."""
@@ -641,20 +632,15 @@ class FullSystem:
         # The correction from zero acceleration is the acceleration; the state may contain another one.
         begun = state._replace(acceleration=still, frame_multipliers=none)
 
-        def solved(carried: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+        def solved(carried: np.ndarray) -> Unknowns:
             at = self.evaluate(begun._replace(multipliers=carried), 0.0)
-            change, more, frames = self.correction(at, targets, still, StepFactors(0.0, 0.0))
-            return change, carried + more, frames
+            change = self.correction(at, targets, still, StepFactors(0.0, 0.0))
+            return change._replace(multipliers=carried + change.multipliers)
 
-        acceleration, multipliers, frame_multipliers = found = solved(np.zeros(len(bias)))
+        found = solved(np.zeros(len(bias)))
         if self.model.reads_reactions:
-            acceleration, multipliers, frame_multipliers = converged_reactions(solved, found)
-        return state._replace(
-            acceleration=acceleration,
-            auxiliary=acceleration,
-            multipliers=multipliers,
-            frame_multipliers=frame_multipliers,
-        )
+            found = converged_reactions(solved, found)
+        return state._replace(**found._asdict(), auxiliary=found.acceleration)
 
 
 _mass_matrix = CachedProgram(mass_matrix, STARTING)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -24,8 +24,9 @@ from supple.body.full_body import FullBody
 from supple.equations.full_inertia import FullInertia
 from supple.integrate import StepFactors
 from supple.methods.floating.full.full_damping import FullDamping
+from supple.methods.floating.full.full_state import InteriorState
 
-__all__ = ["LARGEST_TURN", "Factored", "FullTangent", "TangentPoint", "full_tangent"]
+__all__ = ["LARGEST_TURN", "Factored", "FullTangent", "full_tangent"]
 
 LARGEST_TURN = 0.02
 """Largest `g' |change of w| + b' |change of dw|` for which the factor of a linear body is reused; Newton's
@@ -33,15 +34,6 @@ iteration then still converges fast."""
 
 SYMMETRIC = ("mass", "euler", "centrifugal")
 """Inertia matrices with a symmetric part."""
-
-
-class TangentPoint(NamedTuple):
-    """The quantities that the tangent depends on."""
-
-    coordinates: np.ndarray
-    angular_velocity: np.ndarray
-    angular_acceleration: np.ndarray
-    factors: StepFactors
 
 
 class Factored(NamedTuple):
@@ -53,32 +45,10 @@ class Factored(NamedTuple):
 
 
 @dataclass(eq=False)
-class _FactorCache:
-    """The last factored tangent of a linear body.
+class _LastFactor:
+    """The last factored tangent of a linear body, at a state and step factors, as used by `serving`."""
 
-    The tangent depends on the step, the angular velocity and its rate alone: one factor is used at many
-    instants.
-    """
-
-    _point: TangentPoint | None = field(default=None, init=False)
-    _factored: Factored | None = field(default=None, init=False)
-
-    def serving(self, point: TangentPoint) -> Factored | None:
-        """The last factor, if Newton's iteration still converges fast with it."""
-        last = self._point
-        if last is None:
-            return None
-        (position, velocity), (kept_position, kept_velocity) = point.factors, last.factors
-        same_step = np.isclose(velocity, kept_velocity, rtol=1e-9) and np.isclose(
-            position, kept_position, rtol=1e-9, atol=0.0
-        )
-        turned = velocity * np.max(abs(point.angular_velocity - last.angular_velocity))
-        turned += position * np.max(abs(point.angular_acceleration - last.angular_acceleration))
-        return self._factored if same_step and turned <= LARGEST_TURN else None
-
-    def keep(self, point: TangentPoint, factored: Factored) -> None:
-        """Replace the last factor."""
-        self._point, self._factored = point, factored
+    known: tuple[InteriorState, StepFactors, Factored] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +65,7 @@ class FullTangent:
     """Places of the nonlinear stiffness's entries in the pattern."""
     couplings: np.ndarray
     """Loads of interface forces and frame multipliers, `[B^T, D^T]`, (n, 6 p + 6)"""
-    _cache: _FactorCache = field(default_factory=_FactorCache, init=False, repr=False)
+    _last: _LastFactor = field(default_factory=_LastFactor, init=False, repr=False)
 
     def linear_parts(self, coordinates: np.ndarray, angular_velocity: np.ndarray) -> tuple[csc_array, ...]:
         """`M`, `C` and `K` of the body in its steadily rotating frame: zero rates and accelerations."""
@@ -112,27 +82,39 @@ class FullTangent:
         stiffness += weights["centrifugal"] @ self.constant["centrifugal"]
         return self._matrix(mass), self._matrix(damping), self._matrix(stiffness)
 
-    def exact(self, point: TangentPoint) -> Factored:
+    def exact(self, at: InteriorState, factors: StepFactors) -> Factored:
         """Factor of the unsymmetric tangent."""
-        return self._factored(point, factorize_general(self._matrix(self._data(point, self.constant))))
+        return self._factored(
+            factors, factorize_general(self._matrix(self._data(at, factors, self.constant)))
+        )
 
-    def symmetric(self, point: TangentPoint) -> Factored:
+    def symmetric(self, at: InteriorState, factors: StepFactors) -> Factored:
         """Factor of the symmetric part of the tangent, on the existing symbolic analysis."""
-        data = self._data(point, self._symmetric_constant)
-        return self._factored(point, self._analysed.refactorize(self._matrix(data)))
+        data = self._data(at, factors, self._symmetric_constant)
+        return self._factored(factors, self._analysed.refactorize(self._matrix(data)))
 
-    def serving(self, point: TangentPoint) -> Factored:
-        """As `exact`, but the last factor of a linear body is reused while the iteration converges fast."""
+    def serving(self, at: InteriorState, factors: StepFactors) -> Factored:
+        """As `exact`, but the last factor of a linear body is reused while the iteration converges fast.
+
+        Its tangent depends on the step, the angular velocity and its rate alone.
+        """
         if not self.full.is_linear:
-            return self.exact(point)
-        factored = self._cache.serving(point)
-        if factored is None:
-            factored = self.exact(point)
-            self._cache.keep(point, factored)
+            return self.exact(at, factors)
+        if self._last.known is not None:
+            last, kept, factored = self._last.known
+            same_step = np.isclose(factors.by_velocity, kept.by_velocity, rtol=1e-9) and np.isclose(
+                factors.by_position, kept.by_position, rtol=1e-9, atol=0.0
+            )
+            turned = factors.by_velocity * np.max(abs(at.angular_velocity - last.angular_velocity))
+            turned += factors.by_position * np.max(abs(at.angular_acceleration - last.angular_acceleration))
+            if same_step and turned <= LARGEST_TURN:
+                return factored
+        factored = self.exact(at, factors)
+        self._last.known = at, factors, factored
         return factored
 
-    def _factored(self, point: TangentPoint, sparse: SparseFactor) -> Factored:
-        factor = self.damping.with_modes(sparse, point.factors.by_velocity)
+    def _factored(self, factors: StepFactors, sparse: SparseFactor) -> Factored:
+        factor = self.damping.with_modes(sparse, factors.by_velocity)
         return Factored(factor, -factor.solve(self.couplings))
 
     @cached_property
@@ -149,26 +131,21 @@ class FullTangent:
         kept = {kind: self.constant[kind] for kind in (*SYMMETRIC, "stiffness", "damping")}
         return {kind: (entries + entries[:, order]) / 2 for kind, entries in kept.items()}
 
-    def _data(self, point: TangentPoint, constant: dict[str, np.ndarray]) -> np.ndarray:
-        factors = point.factors
-        data = factors.by_velocity * constant["damping"][0]
-        if factors.by_position:
-            self._add_elastic(data, point, constant)
-        weights = FullInertia.weights(point.angular_velocity, point.angular_acceleration, factors)
+    def _data(self, at: InteriorState, factors: StepFactors, constant: dict[str, np.ndarray]) -> np.ndarray:
+        """Entries of the tangent on the pattern, without the derivative of D(q)."""
+        position, velocity = factors
+        data = velocity * constant["damping"][0]
+        if position and self.full.is_linear:
+            data += position * constant["stiffness"][0]
+        elif position:
+            material = 1 + self.damping.retardation_time * velocity / position
+            elastic = self.full.body.assembly.tangent(at.coordinates, material=material).data
+            data[self.elastic_places] += position * elastic
+        weights = FullInertia.weights(at.angular_velocity, at.angular_acceleration, factors)
         for kind, weight in weights.items():
             if kind in constant:
                 data += weight @ constant[kind]
         return data
-
-    def _add_elastic(self, data: np.ndarray, point: TangentPoint, constant: dict[str, np.ndarray]) -> None:
-        """Add tangents of the internal and strain-rate damping forces, without the derivative of D(q)."""
-        position, velocity = point.factors
-        if self.full.is_linear:
-            data += position * constant["stiffness"][0]
-            return
-        material = 1 + self.damping.retardation_time * velocity / position
-        elastic = self.full.body.assembly.tangent(point.coordinates, material=material).data
-        data[self.elastic_places] += position * elastic
 
     def _matrix(self, data: np.ndarray) -> csc_array:
         return csc_array((data, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape)
@@ -179,7 +156,7 @@ def full_tangent(
 ) -> FullTangent:
     """The part of a full body's tangent that is constant over all steps."""
     body = full.body
-    matrices: dict[str, list[Any]] = {
+    matrices: dict[str, list[csc_array]] = {
         **inertia.matrices,
         "stiffness": [csc_array(body.stiffness)],
         "damping": [damping.constant],
@@ -209,8 +186,7 @@ def full_tangent(
 
 def _on_pattern(pattern: csc_array, matrix: csc_array) -> np.ndarray:
     """Entries of a matrix at the places of a pattern that contains it."""
-    data = np.zeros(pattern.nnz)
-    coo = matrix.tocoo()
+    data, coo = np.zeros(pattern.nnz), matrix.tocoo()
     np.add.at(data, _places(pattern, coo.row, coo.col), coo.data)
     return data
 

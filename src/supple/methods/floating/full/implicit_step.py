@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import jax
 import numpy as np
 
 from supple.equations.step_size import position_rounding
 from supple.integrate import StepRule, Tolerances
 from supple.methods.floating.full.frozen_tangent import FrozenTangent, frozen_tangent
-from supple.methods.floating.full.full_state import Evaluation, FullState
+from supple.methods.floating.full.full_state import Evaluation, FullState, Unknowns
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.full_tangent import FullTangent
-from supple.methods.floating.full.predictor import Unknowns
 
 __all__ = ["ImplicitStep", "Iterate", "Stepped"]
 
@@ -99,18 +99,11 @@ class ImplicitStep(NamedTuple):
             )
         else:
             eliminations = tangent.eliminations
-        change, joint_change, frame_change = machine.correction_behind(
+        change = machine.correction_behind(
             eliminations, evaluation, evaluation.closing(by_position), increments, self.rule.factors
         )
-        old = iterate.unknowns
-        frames = zip(old.frame_multipliers, frame_change, strict=True)
-        unknowns = Unknowns(
-            old.acceleration + change,
-            old.multipliers + joint_change,
-            tuple(before + new for before, new in frames),
-        )
-        moved = float(by_position * np.max(abs(change) / machine.position_scale))
-        return self.at(unknowns, moved, trusted=trusted)
+        moved = float(by_position * np.max(abs(change.acceleration) / machine.position_scale))
+        return self.at(jax.tree.map(np.add, iterate.unknowns, change), moved, trusted=trusted)
 
     def tangent(self, iterate: Iterate, *, symmetric: bool) -> FrozenTangent:
         """Factored tangent at an iterate, for use as a frozen tangent."""

@@ -28,8 +28,8 @@ import numpy as np
 
 from supple.errors import AccuracyError
 from supple.methods.floating.full.frozen_tangent import FrozenTangent, has_similar_factors
+from supple.methods.floating.full.full_state import Unknowns
 from supple.methods.floating.full.implicit_step import ImplicitStep, Stepped
-from supple.methods.floating.full.predictor import Unknowns, unknowns_of
 
 __all__ = ["SLOWEST", "NewtonIteration", "exact_newton", "modified_newton"]
 
@@ -61,7 +61,7 @@ def modified_newton(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent
 
 def exact_newton(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | None) -> Stepped:  # noqa: ARG001
     """Newton's method with the exact tangent of every iterate, from the unknowns at the step's start."""
-    at = step.at(unknowns_of(step.start))
+    at = step.at(step.start.unknowns)
     began, iterations = at.distance, 0
     while not at.converged and np.isfinite(at.distance) and iterations < step.tolerances.max_iterations:
         at = step.corrected(at, None, trusted=True)

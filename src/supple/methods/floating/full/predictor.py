@@ -4,20 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import jax
 import numpy as np
 
-from supple.methods.floating.full.full_state import FullState
+from supple.methods.floating.full.full_state import FullState, Unknowns
 from supple.methods.floating.full.full_system import FullSystem
 
-__all__ = ["Earlier", "Unknowns", "earlier_numbers", "earlier_of", "predicted_unknowns", "unknowns_of"]
-
-
-class Unknowns(NamedTuple):
-    """Unknowns of a step."""
-
-    acceleration: np.ndarray
-    multipliers: np.ndarray
-    frame_multipliers: tuple[np.ndarray, ...]
+__all__ = ["Earlier", "earlier_numbers", "earlier_of", "predicted_unknowns"]
 
 
 class Earlier(NamedTuple):
@@ -27,23 +20,12 @@ class Earlier(NamedTuple):
     step: float
 
 
-def unknowns_of(state: FullState) -> Unknowns:
-    """The unknowns of a state."""
-    return Unknowns(state.acceleration, state.multipliers, state.frame_multipliers)
-
-
 def predicted_unknowns(state: FullState, earlier: Earlier | None, h: float) -> Unknowns:
     """Unknowns at the end of a step of size h: `x_1 + (h / h_0) (x_1 - x_0)`; without `earlier`, `x_1`."""
-    now = unknowns_of(state)
     if earlier is None:
-        return now
-    before, ratio = earlier.unknowns, h / earlier.step
-    frames = zip(now.frame_multipliers, before.frame_multipliers, strict=True)
-    return Unknowns(
-        now.acceleration + ratio * (now.acceleration - before.acceleration),
-        now.multipliers + ratio * (now.multipliers - before.multipliers),
-        tuple(own + ratio * (own - old) for own, old in frames),
-    )
+        return state.unknowns
+    ratio = h / earlier.step
+    return jax.tree.map(lambda own, old: own + ratio * (own - old), state.unknowns, earlier.unknowns)
 
 
 def earlier_numbers(machine: FullSystem, earlier: Earlier | None) -> np.ndarray:

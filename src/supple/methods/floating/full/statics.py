@@ -109,14 +109,6 @@ class FullStatics(SteadyEquations):
         motions, forces = factor.solve_with_multipliers(pushed, none)
         return StaticTangent(self.machine, equations, factor, motions, forces, k)
 
-    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
-        """The configuration after an increment (n,)."""
-        return self.machine.moved(configuration, increment)
-
-    def bodies_at(self, configuration: Configuration) -> Configuration:
-        """The configuration itself, which is that of the bodies."""
-        return configuration
-
     def constraint_rows(self, state: StaticState, time: float) -> np.ndarray:
         """Derivatives of the equations of joints, then of frames, (m, n)."""
         terms, _ = self.unbalance(state, time).terms
