@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import jax
 import jax.numpy as jnp
@@ -18,12 +18,17 @@ __all__ = [
     "ControlState",
     "ControlStep",
     "SystemMotion",
+    "Tree",
     "advance",
     "turns_by_increment",
 ]
 
 AnyArray = Any
 """A NumPy or a JAX array: compiled and sparse methods use the same records for their states."""
+
+
+Tree: TypeAlias = Any
+"""A pytree of arrays."""
 
 
 class Configuration(NamedTuple):

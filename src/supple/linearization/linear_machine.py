@@ -115,7 +115,7 @@ class LinearMachine(Summarized):
     damping: Array
     stiffness: Array
     basis: Array
-    full_mass: Array
+    full_mass: Array | csr_array
     control: LinearControl
     full: FullMachine | None = None
     is_in_space: bool = False

@@ -30,6 +30,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
+from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
 from supple.equations.control_linearization import LinearControl
@@ -244,7 +245,7 @@ class _Seen(NamedTuple):
     motions: Array
     matrices: tuple[Array, Array, Array]
     change: float
-    full_mass: Array
+    full_mass: Array | csr_array
 
 
 def _seen_in_every_way(machine: RotatingMachine, sampled: Sampled) -> list[_Seen]:

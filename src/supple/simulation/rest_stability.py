@@ -6,6 +6,7 @@ from contextlib import suppress
 
 import numpy as np
 import scipy.linalg
+from scipy.sparse import csr_array
 
 from supple.algebra.bordered_factor import bordered_factor
 from supple.equations.steady_motion import LinearEquations
@@ -90,5 +91,5 @@ def _largest_coupling(mass: np.ndarray, stiffness: np.ndarray) -> float:
     return float((coupling / np.where(size > ROUNDING * size.max(), size, np.inf)).max())
 
 
-def _is_skew(stiffness: np.ndarray) -> bool:
+def _is_skew(stiffness: np.ndarray | csr_array) -> bool:
     return bool(abs(stiffness - stiffness.T).max() > SKEW * abs(stiffness).max())

@@ -213,14 +213,17 @@ def _start(
     own = in_turning_axes(begun.model, begun.configuration).T @ begun.acceleration
     linear = changes.acceleration[:, : len(state)] @ state
 
+    mass = machine.full_mass
+    assert isinstance(mass, np.ndarray)  # sparse for full bodies only
+
     def size(accelerations: Array) -> float:
-        return float(np.sqrt(accelerations @ machine.full_mass @ accelerations))
+        return float(np.sqrt(accelerations @ mass @ accelerations))
 
     # Accelerations by the reactions alone, as the scale below which a difference is rounding.
-    carried = np.linalg.solve(machine.full_mass, small.residual.reactions @ rest.multipliers)
+    carried = np.linalg.solve(mass, small.residual.reactions @ rest.multipliers)
     most = size(carried) + size(np.abs(changes.acceleration[:, : len(state)]) @ np.abs(state))
     turns = [part.start + 3 + k for part in rest.model.slices for k in range(3)]
-    rounding = _ROUNDED * np.sqrt(machine.full_mass[turns, turns].max())
+    rounding = _ROUNDED * np.sqrt(mass[turns, turns].max())
     stiffest = max(map(size, changes.acceleration[:, : machine.size].T), default=0.0)
     return state, size(own - linear) / max(size(own), 1e-6 * most, rounding * stiffest, 1e-300)
 

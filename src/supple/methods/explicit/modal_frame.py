@@ -13,6 +13,7 @@ from supple.methods.explicit.frame_model import FrameModel
 from supple.methods.explicit.frame_moments import Moments, moments
 from supple.methods.explicit.mass_fields import MassFields
 from supple.methods.explicit.modal_subdomain import ModalSubdomain
+from supple.methods.explicit.rigid_frame import RigidFrame
 from supple.methods.explicit.spin_stiffness import largest_of_unit_spin
 from supple.methods.explicit.step_limit import (
     damped_limit,
@@ -34,7 +35,7 @@ class ModalFrame:
     turned : (k, k)     modes of the sub-domain per integrated mode: y_own = turned @ y
     """
 
-    body: ModalSubdomain
+    body: ModalSubdomain | RigidFrame
     model: FrameModel
     turned: FloatArray
 
@@ -98,7 +99,9 @@ class ModalFrame:
         return M, K
 
 
-def modal_frame(body: ModalSubdomain, points: FloatArray, shapes: FloatArray, mass: FloatArray) -> ModalFrame:
+def modal_frame(
+    body: ModalSubdomain | RigidFrame, points: FloatArray, shapes: FloatArray, mass: FloatArray
+) -> ModalFrame:
     """The frame of a sub-domain with tied points that have mass.
 
         K T = (M_V + sum m Phi^T Phi) T diag(omega^2),   T^T (..) T = I

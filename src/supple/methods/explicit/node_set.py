@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.body.averaged_motion import averaged_motion
+from supple.body.body_form import BodyForm
 from supple.body.interface import UntiedInterface
 from supple.body.point_motion import InterfaceMotion, NodeMotion
 
@@ -27,7 +27,7 @@ class NodeSet(UntiedInterface):
     rows : (6, r)       displacement and rotation per coordinate of the part; None: the mean of the nodes
     """
 
-    part: Any
+    part: BodyForm
     name: str
     nodes: NDArray[np.int64]
     position: FloatArray
@@ -66,7 +66,7 @@ class NodeSet(UntiedInterface):
         return InterfaceMotion(position, left @ right, velocity, acceleration, spin)
 
 
-def node_sets(part: Any, sets: Mapping[str, NDArray[np.int64]]) -> tuple[NodeSet, ...]:
+def node_sets(part: BodyForm, sets: Mapping[str, NDArray[np.int64]]) -> tuple[NodeSet, ...]:
     """Interfaces of a part on its node sets, without empty ones."""
     known = {name: np.asarray(nodes) for name, nodes in sets.items() if len(nodes)}
     return tuple(NodeSet(part, name, nodes, part.nodes[nodes].mean(axis=0)) for name, nodes in known.items())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -32,6 +31,7 @@ from supple.methods.explicit.march.march_model import FrameArrays, NodesTouching
 from supple.methods.explicit.march.touching_surface import TouchingSurface
 from supple.methods.explicit.method import Explicit
 from supple.methods.explicit.modal_frame import ModalFrame, modal_frame
+from supple.methods.explicit.modal_subdomain import ModalSubdomain
 from supple.methods.explicit.rigid_frame import RigidFrame
 from supple.methods.explicit.start_motion import undeformed
 
@@ -128,7 +128,7 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
 def _floating(system: System, names: Sequence[str]) -> System | None:
     """The bodies on frames with their joints and forces; None without frames."""
 
-    def acts(load: Any) -> bool:
+    def acts(load: object) -> bool:
         if isinstance(load, ForceElement):
             return load.first.body in names or load.second.body in names
         return getattr(load, "body", None) in names
@@ -166,7 +166,8 @@ def _frame(
     system: System, part: Placed, tied: list[TiedNodes], mass: FloatArray, x: FloatArray
 ) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None, float]:
     """Frame, its arrays, state, obstacles, their penalties, and squared frequency of a free obstacle."""
-    body: Any = RigidFrame(part.body) if isinstance(part.body, RigidBody) else part.body
+    body = RigidFrame(part.body) if isinstance(part.body, RigidBody) else part.body
+    assert isinstance(body, RigidFrame | ModalSubdomain)
     nodes = np.concatenate([each.nodes for each in tied] or [np.empty(0, dtype=np.int64)])
     local = (x[nodes] - part.position) @ part.rotation
     shapes = np.concatenate(

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 
 from supple.equations import control_force, marker_force, nodal_load
 from supple.equations.balance import constraint_jacobian
-from supple.equations.configuration import ControlState, ControlStep, SystemMotion
+from supple.equations.configuration import AnyArray, ControlState, ControlStep, SystemMotion
 from supple.equations.ends import markers
 from supple.equations.joint_force import constraints
 from supple.equations.machine_model import Model
 from supple.equations.marker import Marker, pose
 from supple.equations.places import Places, assembled_vector, over
 from supple.machine import Constant, ForceElement
+from supple.machine.laws.time_law import TimeLaw
 from supple.methods.explicit.frame_chart import configuration, on_points, velocity
 from supple.methods.explicit.frame_model import FrameState, Generalized
 from supple.methods.explicit.march.march_model import FrameArrays, MarchModel
@@ -101,7 +102,7 @@ def frame_states(
     return SystemMotion(time, where, rates, jnp.zeros_like(rates), none, stepping)
 
 
-def storing_elements(machine: Model, loads: Iterable[Any]) -> tuple[bool, ...]:
+def storing_elements(machine: Model, loads: Iterable[ForceElement]) -> tuple[bool, ...]:
     """Whether each group of elements stores energy: it defines an energy, and no law drives it in time."""
     wrenches = [
         fixed_function(type(load).wrenches) for load in loads if type(load).energy is not ForceElement.energy
@@ -113,7 +114,7 @@ def storing_elements(machine: Model, loads: Iterable[Any]) -> tuple[bool, ...]:
 
 
 def stored_energy(
-    loads: Iterable[Any],
+    loads: Iterable[ForceElement],
     stores: tuple[bool, ...],
     machine: Model,
     frames: tuple[FrameArrays, ...],
@@ -125,7 +126,12 @@ def stored_energy(
     motion, total = frame_states(machine, frames, states, time), jnp.zeros(())
     for group in _some(machine, stores, True).forces:
 
-        def own(law: Any, parameters: Any, *ends: Marker, of: Any = energies[group.wrenches]) -> Array:
+        def own(
+            law: TimeLaw | None,
+            parameters: AnyArray,
+            *ends: Marker,
+            of: Callable[..., AnyArray] = energies[group.wrenches],
+        ) -> Array:
             value = None if law is None else law(time)
             return jnp.asarray(of(*map(pose, ends), value, parameters))
 

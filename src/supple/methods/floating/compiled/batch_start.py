@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import jax
 import numpy as np
+from jax.tree_util import PyTreeDef
 
 from supple.equations.build_model import build_model
 from supple.equations.compiled_machine import (
@@ -17,6 +18,7 @@ from supple.equations.compiled_machine import (
     forces_without_acceleration,
 )
 from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import AnyArray, Configuration, Tree
 from supple.equations.consistent_start import placed_configuration, placed_velocity
 from supple.equations.machine_model import Model
 from supple.equations.start_velocity import given_parts
@@ -36,13 +38,19 @@ Axes: TypeAlias = tuple[int | None, ...]
 """For each leaf: 0 where the cases differ, None where they share it"""
 
 
-def differing(trees: Sequence[Any]) -> Axes:
+def differing(trees: Sequence[Tree]) -> Axes:
     """Batch axis of each leaf of pytrees of equal structure: 0 where they differ, else None."""
     columns = zip(*(jax.tree.leaves(tree) for tree in trees), strict=True)
-    return tuple(None if _all_equal(column) else 0 for column in columns)
+
+    def equal(leaves: Sequence[AnyArray]) -> bool:
+        first = leaves[0]
+        others = (leaf for leaf in leaves[1:] if leaf is not first)
+        return all(np.array_equal(np.asarray(leaf), np.asarray(first)) for leaf in others)
+
+    return tuple(None if equal(column) else 0 for column in columns)
 
 
-def stacked(trees: Sequence[Any], axes: Axes) -> list[Any]:
+def stacked(trees: Sequence[Tree], axes: Axes) -> list[np.ndarray]:
     """The leaves of all pytrees: shared leaves once, those that differ stacked along a new first axis."""
     columns = zip(*(jax.tree.leaves(tree) for tree in trees), strict=True)
     return [
@@ -51,15 +59,10 @@ def stacked(trees: Sequence[Any], axes: Axes) -> list[Any]:
     ]
 
 
-def form_of(tree: Any) -> tuple[Any, list[tuple[int, ...]]]:
+def form_of(tree: Tree) -> tuple[PyTreeDef, list[tuple[int, ...]]]:
     """Structure of a pytree, and the shapes of its leaves."""
     leaves, structure = jax.tree.flatten(tree)
     return structure, [np.shape(leaf) for leaf in leaves]
-
-
-def _all_equal(leaves: Sequence[Any]) -> bool:
-    first = leaves[0]
-    return all(leaf is first or np.array_equal(np.asarray(leaf), np.asarray(first)) for leaf in leaves[1:])
 
 
 class BatchStart(NamedTuple):
@@ -110,7 +113,7 @@ def _initial_state(system: System, run: Run) -> tuple[Model, State]:
 def _starts_alike(first: System, model: Model, system: System, own: Model) -> bool:
     """Whether two cases differ only in their forces at the start."""
 
-    def same(one: Any, other: Any) -> bool:
+    def same(one: Tree, other: Tree) -> bool:
         if jax.tree.structure(one) != jax.tree.structure(other):
             return False
         return all(map(np.array_equal, jax.tree.leaves(one), jax.tree.leaves(other)))
@@ -129,7 +132,9 @@ def _starts_alike(first: System, model: Model, system: System, own: Model) -> bo
     )
 
 
-def _accelerations(machine: CompiledMachine, state: State, models: list[Model]) -> list[tuple[Any, Any]]:
+def _accelerations(
+    machine: CompiledMachine, state: State, models: list[Model]
+) -> list[tuple[np.ndarray, np.ndarray]]:
     """Initial accelerations and multipliers of models that differ in their forces alone."""
     velocity = np.asarray(state.velocity)
     terms = machine.joint_terms(float(state.time), state.configuration, velocity)
@@ -153,14 +158,19 @@ def _forces(models: list[Model], state: State) -> np.ndarray:
 
 
 @lru_cache(maxsize=32)
-def _mapped_forces(model_structure: Any, axes: Axes) -> CachedProgram:
+def _mapped_forces(model_structure: PyTreeDef, axes: Axes) -> CachedProgram:
     return CachedProgram(partial(_forces_of_cases, model_structure, axes), STARTING)
 
 
 def _forces_of_cases(
-    model_structure: Any, axes: Axes, leaves: list[Any], time: Any, configuration: Any, velocity: Any
+    model_structure: PyTreeDef,
+    axes: Axes,
+    leaves: list[jax.Array],
+    time: jax.Array,
+    configuration: Configuration,
+    velocity: jax.Array,
 ) -> jax.Array:
-    def of_case(own: list[Any]) -> jax.Array:
+    def of_case(own: list[jax.Array]) -> jax.Array:
         model = jax.tree.unflatten(model_structure, own)
         return forces_without_acceleration(model, time, configuration, velocity)
 

@@ -18,12 +18,13 @@ Source: [HairerWanner1996], section IV.8, also uses the contraction of an earlie
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.equations.configuration import AnyArray
 from supple.equations.machine_model import Model
 
 __all__ = [
@@ -45,12 +46,12 @@ MEASURED_EVERY = 8
 class Contraction(NamedTuple):
     """The last measured correction, stored as numbers in a recorded run."""
 
-    before: Any
+    before: AnyArray
     """Residual before the correction, relative to the tolerance; 0 before the first measurement"""
-    after: Any
-    step: Any
+    after: AnyArray
+    step: AnyArray
     """Size of the step, s"""
-    phase: Any
+    phase: AnyArray
     """Accepted steps since the last regular measurement"""
 
 

@@ -8,13 +8,13 @@ depend on the iteration.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.custom_derivatives import SymbolicZero
 
+from supple.equations.configuration import AnyArray
 from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.elimination import ByLapack
 from supple.methods.floating.compiled.sensitivity_step import StateChange, state_change, step_with_changes
@@ -23,15 +23,18 @@ from supple.methods.floating.compiled.time_step import substep
 
 __all__ = ["marched_to"]
 
+Inputs = tuple[Model, State, AnyArray]
+"""A model, a state and an end time, or their tangents."""
 
-def marched_to(controls: Controls, model: Model, state: State, end: Any) -> State:
+
+def marched_to(controls: Controls, model: Model, state: State, end: AnyArray) -> State:
     """The state at a time, in as many steps as needed; after a failure, the state before the failed step.
 
     Forward-mode derivatives exist with respect to the numbers of the model, the state and the time.
     """
 
     @jax.custom_jvp
-    def reached(model: Model, state: State, end: Any) -> State:
+    def reached(model: Model, state: State, end: AnyArray) -> State:
         return jax.lax.while_loop(
             partial(_goes_on, end), partial(substep, ByLapack(), model, controls, end), state
         )
@@ -40,20 +43,22 @@ def marched_to(controls: Controls, model: Model, state: State, end: Any) -> Stat
     return reached(model, state, end)
 
 
-def _goes_on(end: Any, state: State) -> Any:
+def _goes_on(end: AnyArray, state: State) -> AnyArray:
     return (state.time < end) & ~state.failed
 
 
-def _is_zero(tangent: Any) -> bool:
+def _is_zero(tangent: object) -> bool:
     return isinstance(tangent, SymbolicZero)
 
 
-def _along(value: Any, tangent: Any) -> jax.Array:
+def _along(value: AnyArray, tangent: AnyArray) -> jax.Array:
     """The change of a value along one direction, with a leading axis (1, ..)."""
     return jnp.zeros((1, *jnp.shape(value))) if _is_zero(tangent) else jnp.asarray(tangent)[None]
 
 
-def _with_changes(controls: Controls, primals: Any, tangents: Any) -> tuple[State, State]:
+def _with_changes(
+    controls: Controls, primals: tuple[Model, State, AnyArray], tangents: tuple[Model, State, AnyArray]
+) -> tuple[State, State]:
     """The integrated state and its derivative along one direction."""
     (model, state, end), (by_model, by_state, by_end) = primals, tangents
     model_change = [
@@ -69,7 +74,7 @@ def _with_changes(controls: Controls, primals: Any, tangents: Any) -> tuple[Stat
 def _as_tangent(state: State, change: StateChange) -> State:
     """Derivatives of all parts of a state; zero for the parts that no step depends on."""
 
-    def none(leaf: Any) -> Any:
+    def none(leaf: AnyArray) -> AnyArray:
         leaf = jnp.asarray(leaf)
         inexact = jnp.issubdtype(leaf.dtype, jnp.inexact)
         return jnp.zeros_like(leaf) if inexact else np.zeros(leaf.shape, jax.dtypes.float0)

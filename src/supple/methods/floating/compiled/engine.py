@@ -5,7 +5,6 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import jax
 import numpy as np
@@ -69,7 +68,7 @@ def initial_state(
     """
     start = compiled_start(system, time)
     report_start(start.change, validity)
-    return start.model, _state(
+    state = State(
         time=time,
         step=first_step,
         configuration=start.configuration,
@@ -77,25 +76,11 @@ def initial_state(
         acceleration=start.acceleration,
         auxiliary=start.acceleration,
         multipliers=start.multipliers,
+        contraction=no_contraction(),
         control=start.control,
         kept=no_tangent(start.model) if freezes_tangent(start.model) else None,
     )
-
-
-def _state(**known: Any) -> State:
-    # NumPy arrays: the program accepts them as they are; JAX would compile a program for each line here.
-    count = np.zeros((), dtype=int)
-    fresh: dict[str, Any] = {
-        "steps": count,
-        "iterations": count,
-        "rejected_steps": count,
-        "failed": np.zeros((), dtype=bool),
-        "largest_error": np.zeros(()),
-        "largest_turn": np.zeros(()),
-    }
-    known.setdefault("contraction", no_contraction())
-    arrays: dict[str, Any] = {name: jax.tree.map(np.asarray, value) for name, value in known.items()}
-    return State(**arrays, **fresh, relative_residual=np.zeros(4))
+    return start.model, jax.tree.map(np.asarray, state)
 
 
 def _tangent_arrays(kept: FrozenInverse | None) -> dict[str, np.ndarray]:
@@ -105,7 +90,7 @@ def _tangent_arrays(kept: FrozenInverse | None) -> dict[str, np.ndarray]:
     return {f"tangent.{name}": np.asarray(leaf) for name, leaf in kept._asdict().items()}
 
 
-def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> FrozenInverse | None:
+def _resumed_tangent(model: Model, known: Mapping[str, np.ndarray]) -> FrozenInverse | None:
     """The recorded tangent, or an empty one if none was recorded."""
     if not freezes_tangent(model):
         return None
@@ -163,7 +148,7 @@ class CompiledEngine:
         self._program = QUICK_MARCH if known.get("quick", 0.0) else COMPILED_MARCH
         instant = last_instant(self._system, in_all_coordinates(self._own, last))
         self._model = jax.device_put(model)
-        return _state(
+        state = State(
             time=instant.time,
             step=known.get("step", self._run.step_control.first),
             configuration=instant.configuration,
@@ -175,6 +160,7 @@ class CompiledEngine:
             control=resumed_control(self._system, known),
             kept=_resumed_tangent(model, known),
         )
+        return jax.tree.map(np.asarray, state)
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
         """Integrate to each of the output times; sampled controllers are called at their sample times."""

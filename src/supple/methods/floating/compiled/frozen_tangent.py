@@ -27,7 +27,7 @@ Source: [BrenanCampbellPetzold1996], section 5.2, for reuse of factors according
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -209,7 +209,7 @@ def solution_by_parts(
 
 def _turned(model: Model, rotations: jax.Array, columns: jax.Array) -> jax.Array:
     """Columns (n, k) with translations rotated from global to body axes: `A^T x`."""
-    parts: list[Any] = []
+    parts: list[jax.Array] = []
     for number, part in enumerate(model.slices):
         frame = columns[part.start : part.start + 3]
         parts += [

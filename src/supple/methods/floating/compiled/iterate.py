@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 
 from supple.equations.balance import Balance, Linearization, balance
-from supple.equations.configuration import Configuration, ControlStep, SystemMotion, advance
+from supple.equations.configuration import AnyArray, Configuration, ControlStep, SystemMotion, advance
 from supple.equations.coordinate_scales import kinds_of_rows, position_scale
 from supple.equations.machine_model import Model
 from supple.equations.step_size import position_rounding
@@ -36,8 +36,8 @@ class ReachedState(NamedTuple):
     """Configuration and velocities that follow from an acceleration."""
 
     configuration: Configuration
-    velocity: Any
-    increments: Any
+    velocity: AnyArray
+    increments: AnyArray
 
 
 def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
@@ -103,7 +103,7 @@ def _control(start: State, rule: StepRule) -> ControlStep | None:
     return None if start.control is None else ControlStep(start.control, rule.h)
 
 
-def motion_of(rule: StepRule, start: State, at: Any) -> SystemMotion:
+def motion_of(rule: StepRule, start: State, at: Trial | State) -> SystemMotion:
     """Motion at which the equations are evaluated, for an iterate or for the end of a step."""
     return SystemMotion(
         start.time + rule.h,

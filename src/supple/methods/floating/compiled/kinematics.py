@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -222,7 +222,11 @@ class KinematicEngine:
 
 
 def _instant(
-    time: float, configuration: Configuration, velocity: Any, acceleration: Any, multipliers: Any
+    time: float,
+    configuration: Configuration,
+    velocity: AnyArray,
+    acceleration: AnyArray,
+    multipliers: AnyArray,
 ) -> Instant:
     count = np.zeros((), dtype=int)
     placed = Configuration(*map(np.asarray, configuration))

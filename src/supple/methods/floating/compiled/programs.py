@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 from supple.equations.compiler_options import MARCHING, STARTING
 from supple.equations.machine_model import Model
@@ -29,7 +28,7 @@ __all__ = [
 ]
 
 
-def program_pair(function: Callable[..., Any]) -> tuple[CachedProgram, CachedProgram]:
+def program_pair(function: Callable[..., object]) -> tuple[CachedProgram, CachedProgram]:
     """Two programs of a function whose first argument is an elimination: fast steps, and fast compilation."""
     well = CachedProgram(partial(function, ByLoops()), MARCHING)
     return well, CachedProgram(partial(function, ByLapack()), STARTING)

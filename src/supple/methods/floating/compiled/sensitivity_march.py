@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import numpy as np
 
+from supple.equations.configuration import AnyArray
 from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.programs import STOPS_AT_ONCE, ends_before_compiling, program_pair
@@ -27,10 +28,10 @@ __all__ = ["MarchChanges", "MarchedWithChanges", "march_with_changes"]
 class MarchChanges(NamedTuple):
     """Derivatives of all inputs of a time integration along p directions."""
 
-    model: Sequence[Any]
+    model: Sequence[AnyArray | None]
     """For each leaf of the model (p, ..); None for a constant one"""
     start: StateChange
-    stops: Any
+    stops: AnyArray
     """(p, k)"""
 
 
@@ -71,7 +72,7 @@ def _march(
     elimination: DenseElimination,
     model: Model,
     controls: Controls,
-    model_change: Sequence[Any],
+    model_change: Sequence[AnyArray | None],
     start: State,
     change: StateChange,
     stops: jax.Array,

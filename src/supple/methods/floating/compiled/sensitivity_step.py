@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -32,6 +32,9 @@ from supple.methods.floating.compiled.step_equations import LinearizedStep, step
 from supple.methods.floating.compiled.time_step import equal_steps, is_last, substep
 
 __all__ = ["Carried", "StateChange", "changed_by_step", "state_change", "step_with_changes"]
+
+Residuals = tuple[jax.Array, jax.Array]
+"""Residuals (n,) of the bodies and (m,) of the joints."""
 
 _EXACT = 1e-9
 """Largest last correction, relative to the derivative, of accelerations and multipliers."""
@@ -65,15 +68,15 @@ def state_change(state: State) -> StateChange:
     return StateChange(_carried(state), state.multipliers)
 
 
-def _carried(state: Any) -> Carried:
+def _carried(state: State) -> Carried:
     return Carried(*(getattr(state, name) for name in Carried._fields))
 
 
 class _Solved(NamedTuple):
     """The unknowns of a step."""
 
-    acceleration: Any
-    multipliers: Any
+    acceleration: AnyArray
+    multipliers: AnyArray
 
 
 def step_with_changes(
@@ -130,7 +133,7 @@ def changed_by_step(
 
 def _equations(
     model: Model, controls: Controls, model_change: Sequence[AnyArray | None], before: State, end: jax.Array
-) -> tuple[Callable[..., Any], list[Any]]:
+) -> tuple[Callable[..., tuple[Residuals, Carried]], list[jax.Array]]:
     """Residuals and end state of a step as a function of the model's varying leaves; and these leaves."""
     leaves, structure = jax.tree.flatten(model)
     places = [number for number, own in enumerate(model_change) if own is not None]
@@ -138,7 +141,9 @@ def _equations(
     number, remaining = equal_steps(before, end), end - before.time
     ends = is_last(remaining / number, remaining)
 
-    def equations(varied: list[Any], carried: Carried, end: Any, solved: _Solved):
+    def equations(
+        varied: list[jax.Array], carried: Carried, end: jax.Array, solved: _Solved
+    ) -> tuple[Residuals, Carried]:
         every = list(leaves)
         for place_, own in zip(places, varied, strict=True):
             every[place_] = own
@@ -165,16 +170,16 @@ class _Correcting(NamedTuple):
     found: _Solved
     carried: Carried
     """Derivatives at the end of the step, for the iterate before the last correction"""
-    unsolved: Any
-    corrections: Any
+    unsolved: jax.Array
+    corrections: jax.Array
 
 
 def _solution(
     model: Model,
     rule: StepRule,
     change: StateChange,
-    product: Callable[[_Solved], Any],
-    correction: Callable[..., Any],
+    product: Callable[[_Solved], tuple[Residuals, Carried]],
+    correction: Callable[[jax.Array, jax.Array], jax.Array],
 ) -> tuple[_Solved, Carried]:
     """Derivatives of the unknowns of a step, and of its end state."""
     scale = position_scale(model)

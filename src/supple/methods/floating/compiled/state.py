@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
 
 from supple.equations.configuration import AnyArray, Configuration, ControlState
 from supple.integrate import Coefficients
@@ -12,16 +14,20 @@ from supple.methods.floating.compiled.frozen_tangent import FrozenInverse
 __all__ = ["Controls", "State"]
 
 
+# NumPy arrays: a program accepts them as they are; JAX would compile a program for each.
+_COUNT, _FALSE, _NONE, _UNKNOWN = np.zeros((), int), np.zeros((), bool), np.zeros(()), np.zeros(4)
+
+
 class Controls(NamedTuple):
     """Numerical settings of a run as plain floats, so that a change needs no new compilation."""
 
     coefficients: Coefficients
-    first: Any
-    largest: Any
-    smallest: Any
-    error_tolerance: Any
-    residual_tolerance: Any
-    max_iterations: Any
+    first: AnyArray
+    largest: AnyArray
+    smallest: AnyArray
+    error_tolerance: AnyArray
+    residual_tolerance: AnyArray
+    max_iterations: AnyArray
 
 
 class State(NamedTuple):
@@ -36,17 +42,17 @@ class State(NamedTuple):
     auxiliary: AnyArray
     """Auxiliary acceleration of the Newmark family."""
     multipliers: AnyArray
-    steps: AnyArray
-    iterations: AnyArray
-    rejected_steps: AnyArray
-    failed: AnyArray
-    """True when the smallest step did not converge; the state is that before this step."""
-    relative_residual: AnyArray
-    """Relative residual at the last evaluation, by kind: force, moment, deformation, constraint."""
     contraction: Contraction
-    largest_error: AnyArray
+    steps: AnyArray = _COUNT
+    iterations: AnyArray = _COUNT
+    rejected_steps: AnyArray = _COUNT
+    failed: AnyArray = _FALSE
+    """True when the smallest step did not converge; the state is that before this step."""
+    relative_residual: AnyArray = _UNKNOWN
+    """Relative residual at the last evaluation, by kind: force, moment, deformation, constraint."""
+    largest_error: AnyArray = _NONE
     """Largest local error of the accepted steps."""
-    largest_turn: AnyArray
+    largest_turn: AnyArray = _NONE
     """Largest rotation of a body within an accepted step, rad."""
     control: ControlState | None = None
     """None where there are no controllers"""

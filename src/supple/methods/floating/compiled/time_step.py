@@ -123,11 +123,6 @@ def _try_step(
     )
 
 
-def _local_error(model: Model, rule: StepRule, start: State, trial: _Stepped) -> jax.Array:
-    error = rule.position_error(start.auxiliary, trial.auxiliary) / position_scale(model)
-    return jnp.max(jnp.abs(error))
-
-
 def _turn(model: Model, increments: jax.Array) -> jax.Array:
     """Largest rotation of a body within a step, rad."""
     turns = model.frames.take(increments)[:, 3:]
@@ -152,7 +147,8 @@ def substep(
     h = remaining / equal_steps(start, end)
     trial = _try_step(elimination, model, controls, start, h)
     iteration = trial.iteration
-    error = _local_error(model, StepRule(controls.coefficients, h), start, trial)
+    rule = StepRule(controls.coefficients, h)
+    error = jnp.max(jnp.abs(rule.position_error(start.auxiliary, trial.auxiliary) / position_scale(model)))
     converged = (iteration.converged | iteration.predicted) & jnp.isfinite(error)
     accepted = converged & (error <= controls.error_tolerance)
 
@@ -182,9 +178,9 @@ def substep(
         contraction=contraction,
         largest_error=jnp.maximum(start.largest_error, error),
         largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.increments)),
-        control=stepped(model, motion_of(StepRule(controls.coefficients, h), start, trial)),
         kept=kept,
     )
+    after = after._replace(control=stepped(model, motion_of(rule, start, after)))
     before = start._replace(
         step=proposed,
         iterations=start.iterations + iteration.corrections,

@@ -18,12 +18,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.equations.configuration import AnyArray
 from supple.equations.elimination_tree import EliminationTree, elimination_tree
 from supple.equations.machine_model import Model
 from supple.equations.places import MatrixBlock
@@ -209,7 +210,7 @@ class TreeLayout:
         n, parents = self.own, np.array(self.tree.parents)
         others = fronts.shape[1] - n
 
-        def eliminate(left: jax.Array, of_body: tuple[Any, ...]):
+        def eliminate(left: jax.Array, of_body: tuple[AnyArray, ...]):
             index, parent, front = of_body
             whole = front + self._spread(self._spread(left[index], 0), 1)
             inverse = elimination.inverse(whole[:n, :n])
@@ -226,7 +227,7 @@ class TreeLayout:
         parents = np.array(self.tree.parents)
         own_load, border_load = self._distributed(load)
 
-        def forward(left: jax.Array, of_body: tuple[Any, ...]):
+        def forward(left: jax.Array, of_body: tuple[AnyArray, ...]):
             index, parent, down, own = of_body
             received = left[index]
             whole = own + self._spread(received, 0)[: self.own]
@@ -239,7 +240,7 @@ class TreeLayout:
         border = factor.border @ (border_load + left[-1, self.parent :])
         alone = jnp.einsum("bij,bj->bi", factor.inverses, wholes)
 
-        def backward(known: jax.Array, of_body: tuple[Any, ...]):
+        def backward(known: jax.Array, of_body: tuple[AnyArray, ...]):
             index, parent, up, own = of_body
             others = jnp.concatenate([known[parent], border])
             solution = own - up @ others

@@ -8,7 +8,7 @@ coordinates q are added, and so are its six frame constraints `D q = 0`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array, hstack, vstack
@@ -26,17 +26,17 @@ __all__ = ["SparseEquations", "frame_conditions", "full_linear_equations", "to_b
 class SparseEquations(NamedTuple):
     """`M p'' + (C + W S W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that rotate with the bodies."""
 
-    mass: Any
+    mass: csr_array
     """Sparse (n, n), regular on the motions that satisfy the constraints"""
-    damping: Any
+    damping: csr_array
     """Sparse (n, n), with the gyroscopic terms"""
     damping_columns: np.ndarray
     """`W` (n, w): columns of damped modes, and of mass-proportional damping relative to an interface"""
     damping_signs: np.ndarray
     """Diagonal of `S`, (w,), each 1 or -1"""
-    stiffness: Any
+    stiffness: csr_array
     """Sparse (n, n), with centrifugal terms and the geometric stiffness of the steady forces"""
-    constraint: Any
+    constraint: csr_array
     """Sparse (m, n): constraints of joints, and of frames of full bodies"""
     interior: np.ndarray
     """Indices of the freedoms that are factored first: their block of K is sparse and regular"""
@@ -82,7 +82,7 @@ def full_linear_equations(machine: FullSystem, turning: SteadyRotation, terms: E
     )
 
 
-def _turning_parts(parts: tuple[Any, ...], angular_velocity: np.ndarray) -> tuple[Any, ...]:
+def _turning_parts(parts: tuple[csr_array, ...], angular_velocity: np.ndarray) -> tuple[csr_array, ...]:
     """`M`, `C` and `K` (6 + n, 6 + n) of one body in axes that rotate with it, from those in fixed axes."""
     mass, damping, stiffness = parts
     if not angular_velocity.any():
@@ -97,7 +97,7 @@ def _turning_parts(parts: tuple[Any, ...], angular_velocity: np.ndarray) -> tupl
     )
 
 
-def _line_parts(body: StationBody, line: LineEvaluation) -> tuple[Any, ...]:
+def _line_parts(body: StationBody, line: LineEvaluation) -> tuple[csr_array, ...]:
     """`M`, `C` and `K` of a body with stations."""
     axes = _along_axes(line.state.rotation[None], len(line.residual))
     own = (csr_array(axes.T @ part @ axes) for part in body.tangent(line.state, line.station_forces))
@@ -127,12 +127,12 @@ def _border_turning(machine: FullSystem, turning: SteadyRotation) -> SteadyRotat
 
 def to_border(machine: FullSystem, terms: Evaluation) -> csr_array:
     """Sparse matrix from the velocities of all freedoms to those of the border."""
-    parts: dict[int, Any] = {
-        each.index: block_diag([eye_array(6), each.interface_rows]) for each in machine.interiors
+    parts = {
+        each.index: csr_array(block_diag([eye_array(6), each.interface_rows])) for each in machine.interiors
     }
     for body, line in zip(machine.lines, terms.lines, strict=True):
         rotations, size = line.stations.rotations, len(line.residual)
-        parts[body.index] = (
+        parts[body.index] = csr_array(
             _along_axes(rotations, 6 * len(rotations)).T
             @ line.stations.motion
             @ _along_axes(line.state.rotation[None], size)
@@ -158,7 +158,7 @@ def _with_frame_zeros(rows: np.ndarray) -> csr_array:
     return csr_array(hstack([csr_array((len(rows), 6)), csr_array(rows)]))
 
 
-def _by_body(machine: FullSystem, parts: Mapping[int, Any], *, square: bool = True) -> csr_array:
+def _by_body(machine: FullSystem, parts: Mapping[int, csr_array], *, square: bool = True) -> csr_array:
     """Block-diagonal matrix of all bodies, from blocks by index of the body; zero for other bodies."""
     sizes = [part.stop - part.start for part in machine.slices]
     blocks = [parts.get(i, csr_array((size, size if square else 0))) for i, size in enumerate(sizes)]
