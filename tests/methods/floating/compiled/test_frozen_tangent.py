@@ -37,10 +37,10 @@ from supple.methods.floating.compiled.frozen_tangent import (
     solution_by_parts,
     used,
 )
-from supple.methods.floating.compiled.iterate import evaluate, motion_of
+from supple.methods.floating.compiled.iterate import evaluate, linearized
 from supple.methods.floating.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
 from supple.methods.floating.compiled.state import State
-from supple.methods.floating.compiled.step_equations import LinearizedStep, step_matrix
+from supple.methods.floating.compiled.step_equations import step_matrix
 from supple.programs.program_cache import CachedProgram
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate, simulate_batch
@@ -118,7 +118,7 @@ def _residuals_of(model: Model, before: State, behind: State) -> Any:
 
     def residual(start: State, end: State) -> Any:
         at = evaluate(model, rule, start, end.acceleration, end.multipliers, jnp.asarray(TOLERANCE))
-        return jnp.max(at[0].relative_residual) / TOLERANCE
+        return jnp.max(at.relative_residual) / TOLERANCE
 
     return jax.vmap(residual)(before, behind)
 
@@ -240,16 +240,14 @@ class Point(NamedTuple):
 
 def _matrices_at(model: Model, start: State) -> Any:
     rule = StepRule(GeneralizedAlpha(0.8).coefficients, STEP)
-    trial, linearization = evaluate(
-        model, rule, start, start.acceleration, start.multipliers, jnp.asarray(TOLERANCE)
-    )
-    step = LinearizedStep(motion_of(rule, start, trial), linearization, trial.increments, rule.factors)
+    trial = evaluate(model, rule, start, start.acceleration, start.multipliers, jnp.asarray(TOLERANCE))
+    step = linearized(rule, start, trial)
     rotations = trial.configuration.rotations
     return (
         rotations,
         bodies_inverse(ByLapack(), model, rotations, tangent(model, *step)),
-        constraint_rows(model, linearization.joints),
-        constraint_rows(model, linearization.joints, trial.increments),
+        constraint_rows(model, trial.linearization.joints),
+        constraint_rows(model, trial.linearization.joints, trial.increments),
         step_matrix(model, step),
     )
 

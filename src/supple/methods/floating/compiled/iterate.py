@@ -14,8 +14,9 @@ from supple.equations.machine_model import Model
 from supple.equations.step_size import position_rounding
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.state import State
+from supple.methods.floating.compiled.step_equations import LinearizedStep
 
-__all__ = ["ReachedState", "Trial", "evaluate", "motion_of", "place"]
+__all__ = ["ReachedState", "Trial", "evaluate", "linearized", "motion_of", "place"]
 
 
 class Trial(NamedTuple):
@@ -30,6 +31,7 @@ class Trial(NamedTuple):
     constraint_residual: jax.Array
     relative_residual: jax.Array
     converged: jax.Array
+    linearization: Linearization
 
 
 class ReachedState(NamedTuple):
@@ -77,7 +79,7 @@ def evaluate(
     acceleration: jax.Array,
     multipliers: jax.Array,
     tolerance: jax.Array,
-) -> tuple[Trial, Linearization]:
+) -> Trial:
     """Residuals of accelerations (n,) and multipliers (m,), and their linearisation."""
     configuration, velocity, increments = place(model, rule, start, acceleration)
     time = start.time + rule.h
@@ -85,7 +87,7 @@ def evaluate(
     terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers, control))
     rounding = position_rounding(model.length, configuration.origins)
     relative_residual = _relative_residual(model, terms, acceleration, rule.factors.by_position, rounding)
-    trial = Trial(
+    return Trial(
         acceleration,
         multipliers,
         configuration,
@@ -95,8 +97,8 @@ def evaluate(
         terms.constraint_residual,
         relative_residual,
         jnp.all(relative_residual <= tolerance),
+        terms.linearization,
     )
-    return trial, terms.linearization
 
 
 def _control(start: State, rule: StepRule) -> ControlStep | None:
@@ -113,3 +115,9 @@ def motion_of(rule: StepRule, start: State, at: Trial | State) -> SystemMotion:
         at.multipliers,
         _control(start, rule),
     )
+
+
+def linearized(rule: StepRule, start: State, trial: Trial) -> LinearizedStep:
+    """Point of linearisation of an iterate."""
+    motion = motion_of(rule, start, trial)
+    return LinearizedStep(motion, trial.linearization, trial.increments, rule.factors)

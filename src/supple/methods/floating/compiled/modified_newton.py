@@ -10,7 +10,7 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
-from supple.equations.balance import Linearization, tangent
+from supple.equations.balance import tangent
 from supple.equations.coordinate_scales import position_scale
 from supple.equations.joint_force import constraint_rows
 from supple.equations.machine_model import Model
@@ -27,7 +27,7 @@ from supple.methods.floating.compiled.frozen_tangent import (
     solution_by_parts,
     used,
 )
-from supple.methods.floating.compiled.iterate import Trial, motion_of
+from supple.methods.floating.compiled.iterate import Trial, linearized
 from supple.methods.floating.compiled.newton import Assessed, Iteration, Modified
 from supple.methods.floating.compiled.state import State
 
@@ -44,7 +44,6 @@ def modified_pass(
     start: State,
     old: Iteration,
     trial: Trial,
-    linearization: Linearization,
     size: jax.Array,
     stagnant: jax.Array,
 ) -> Assessed:
@@ -64,7 +63,7 @@ def modified_pass(
     change, multiplier_change, inverse = jax.lax.cond(
         converged,
         lambda: (jnp.zeros_like(trial.acceleration), jnp.zeros_like(trial.multipliers), before.inverse),
-        lambda: _correction(elimination, model, rule, start, trial, linearization, before.inverse, anew),
+        lambda: _correction(elimination, model, rule, start, trial, before.inverse, anew),
     )
     # Predicted from earlier steps alone: the first correction of a step does not predict its second one.
     predicted = jnp.where(
@@ -82,16 +81,14 @@ def _correction(
     rule: StepRule,
     start: State,
     trial: Trial,
-    linearization: Linearization,
     kept: jax.Array,
     anew: jax.Array,
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Changes of accelerations and multipliers, and the inverse that was used."""
-    rotations = trial.configuration.rotations
+    rotations, joints = trial.configuration.rotations, trial.linearization.joints
 
     def made() -> jax.Array:
-        own = tangent(model, motion_of(rule, start, trial), linearization, trial.increments, rule.factors)
-        return bodies_inverse(elimination, model, rotations, own)
+        return bodies_inverse(elimination, model, rotations, tangent(model, *linearized(rule, start, trial)))
 
     inverse = jax.lax.cond(anew, made, lambda: kept)
     change, multiplier_change = solution_by_parts(
@@ -99,8 +96,8 @@ def _correction(
         model,
         rotations,
         inverse,
-        constraint_rows(model, linearization.joints),
-        constraint_rows(model, linearization.joints, trial.increments),
+        constraint_rows(model, joints),
+        constraint_rows(model, joints, trial.increments),
         -trial.residual,
         -trial.constraint_residual / rule.factors.by_position,
     )

@@ -9,14 +9,13 @@ from typing import NamedTuple, TypeVar
 import jax
 import jax.numpy as jnp
 
-from supple.equations.balance import Linearization
 from supple.equations.machine_model import Model
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.contraction import is_predictable, predicted_to_converge
 from supple.methods.floating.compiled.elimination import DenseElimination
-from supple.methods.floating.compiled.iterate import ReachedState, Trial, motion_of
+from supple.methods.floating.compiled.iterate import ReachedState, Trial, linearized
 from supple.methods.floating.compiled.state import State
-from supple.methods.floating.compiled.step_equations import LinearizedStep, correction
+from supple.methods.floating.compiled.step_equations import correction
 
 __all__ = ["Assessed", "Iteration", "Modified", "newton_pass", "sequential_vmap"]
 
@@ -74,7 +73,6 @@ def newton_pass(
     start: State,
     old: Iteration,
     trial: Trial,
-    linearization: Linearization,
     size: jax.Array,
     stagnant: jax.Array,
 ) -> Assessed:
@@ -88,9 +86,9 @@ def newton_pass(
     correct = partial(_correction_where_needed, elimination)
     if one_by_one:  # loads are evaluated before, as arguments are copied
         held = model.loads_at(start.time + rule.h)
-        changes = sequential_vmap(correct, held, rule, start, trial, linearization)
+        changes = sequential_vmap(correct, held, rule, start, trial)
     else:
-        changes = correct(model, rule, start, trial, linearization)
+        changes = correct(model, rule, start, trial)
     predicted = jnp.zeros((), dtype=bool)
     if is_predictable(model):
         predicted = (
@@ -105,12 +103,11 @@ def _correction_where_needed(
     rule: StepRule,
     start: State,
     trial: Trial,
-    linearization: Linearization,
 ) -> tuple[jax.Array, jax.Array]:
     """The next correction; zero for a converged trial."""
 
     def corrected() -> tuple[jax.Array, jax.Array]:
-        step = LinearizedStep(motion_of(rule, start, trial), linearization, trial.increments, rule.factors)
+        step = linearized(rule, start, trial)
         change = correction(elimination, model, step, trial.residual, trial.constraint_residual)
         return change[: model.n_velocities], change[model.n_velocities :]
 

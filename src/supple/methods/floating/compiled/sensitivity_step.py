@@ -26,9 +26,9 @@ from supple.equations.coordinate_scales import position_scale
 from supple.equations.machine_model import Model
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.elimination import DenseElimination
-from supple.methods.floating.compiled.iterate import evaluate, motion_of, place
+from supple.methods.floating.compiled.iterate import evaluate, linearized, motion_of
 from supple.methods.floating.compiled.state import Controls, State
-from supple.methods.floating.compiled.step_equations import LinearizedStep, step_inverse
+from supple.methods.floating.compiled.step_equations import step_inverse
 from supple.methods.floating.compiled.time_step import equal_steps, is_last, substep
 
 __all__ = ["Carried", "StateChange", "changed_by_step", "state_change", "step_with_changes"]
@@ -118,15 +118,8 @@ def changed_by_step(
     _, product = jax.linearize(equations, varied, _carried(before), end, solved)
     known = [each for each in model_change if each is not None], change.carried, end_change
     along_all = jax.vmap(product, in_axes=(0, 0, 0, 0))
-    _, linearization = evaluate(
-        model, rule, before, solved.acceleration, solved.multipliers, controls.residual_tolerance
-    )
-    _, _, increments = place(model, rule, before, solved.acceleration)
-    correction = step_inverse(
-        elimination,
-        model,
-        LinearizedStep(motion_of(rule, before, after), linearization, increments, rule.factors),
-    )
+    at = evaluate(model, rule, before, solved.acceleration, solved.multipliers, controls.residual_tolerance)
+    correction = step_inverse(elimination, model, linearized(rule, before, at))
     found, carried = _solution(model, rule, change, partial(along_all, *known), jax.vmap(correction))
     return StateChange(carried, found.multipliers)
 
@@ -150,7 +143,7 @@ def _equations(
         own = jax.tree.unflatten(structure, every)
         rule = StepRule(controls.coefficients, (end - carried.time) / number)
         start = before._replace(**carried._asdict())
-        trial, _ = evaluate(own, rule, start, *solved, controls.residual_tolerance)
+        trial = evaluate(own, rule, start, *solved, controls.residual_tolerance)
         handed_on = Carried(
             time=jnp.where(ends, end, carried.time + rule.h),
             configuration=trial.configuration,

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import jax
 import jax.numpy as jnp
 
-from supple.equations.configuration import Configuration
 from supple.equations.control_force import stepped
 from supple.equations.coordinate_scales import position_scale
 from supple.equations.machine_model import Model
@@ -33,21 +32,9 @@ C = TypeVar("C")
 Shown = TypeVar("Shown")
 
 
-class _Stepped(NamedTuple):
-    """End of the iteration of a step."""
-
-    acceleration: jax.Array
-    multipliers: jax.Array
-    auxiliary: jax.Array
-    configuration: Configuration
-    velocity: jax.Array
-    increments: jax.Array
-    iteration: Iteration
-
-
 def _try_step(
     elimination: DenseElimination, model: Model, controls: Controls, start: State, h: jax.Array
-) -> _Stepped:
+) -> tuple[Iteration, ReachedState]:
     """The iteration for one step of size h, from the acceleration of its start or an extrapolated one.
 
     Each pass evaluates the residual of the current iterate and, unless it has converged, computes the next
@@ -64,12 +51,12 @@ def _try_step(
 
     def one_pass(old: Iteration) -> Iteration:
         tolerance = controls.residual_tolerance
-        trial, linearization = evaluate(model, rule, start, old.acceleration, old.multipliers, tolerance)
+        trial = evaluate(model, rule, start, old.acceleration, old.multipliers, tolerance)
         # Below rounding error, residuals do not distinguish better iterates from worse ones.
         rounding = position_rounding(model.length, trial.configuration.origins)
         stagnant = (old.evaluations > 0) & (old.moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
         size = jnp.max(trial.relative_residual) / tolerance
-        found = newton(elimination, model, rule, start, old, trial, linearization, size, stagnant)
+        found = newton(elimination, model, rule, start, old, trial, size, stagnant)
         return Iteration(
             acceleration=old.acceleration + found.change,
             multipliers=old.multipliers + found.multiplier_change,
@@ -106,21 +93,12 @@ def _try_step(
             modified=modified,
         ),
     )
-    last = end.evaluated
-    if is_predictable(model):
-        last = jax.lax.cond(
-            end.predicted, lambda: place(model, rule, start, end.acceleration), lambda: end.evaluated
-        )
-    auxiliary = rule.auxiliary(end.acceleration, start.acceleration, start.auxiliary)
-    return _Stepped(
-        acceleration=end.acceleration,
-        multipliers=end.multipliers,
-        auxiliary=auxiliary,
-        configuration=last.configuration,
-        velocity=last.velocity,
-        increments=last.increments,
-        iteration=end,
+    if not is_predictable(model):
+        return end, end.evaluated
+    placed = jax.lax.cond(
+        end.predicted, lambda: place(model, rule, start, end.acceleration), lambda: end.evaluated
     )
+    return end, placed
 
 
 def _turn(model: Model, increments: jax.Array) -> jax.Array:
@@ -145,10 +123,10 @@ def substep(
     """Try one step towards `end`: accept it, or reduce its size."""
     remaining = end - start.time
     h = remaining / equal_steps(start, end)
-    trial = _try_step(elimination, model, controls, start, h)
-    iteration = trial.iteration
+    iteration, placed = _try_step(elimination, model, controls, start, h)
     rule = StepRule(controls.coefficients, h)
-    error = jnp.max(jnp.abs(rule.position_error(start.auxiliary, trial.auxiliary) / position_scale(model)))
+    auxiliary = rule.auxiliary(iteration.acceleration, start.acceleration, start.auxiliary)
+    error = jnp.max(jnp.abs(rule.position_error(start.auxiliary, auxiliary) / position_scale(model)))
     converged = (iteration.converged | iteration.predicted) & jnp.isfinite(error)
     accepted = converged & (error <= controls.error_tolerance)
 
@@ -165,11 +143,11 @@ def substep(
     after = State(
         time=jnp.where(last, end, start.time + h),
         step=proposed,
-        configuration=trial.configuration,
-        velocity=trial.velocity,
-        acceleration=trial.acceleration,
-        auxiliary=trial.auxiliary,
-        multipliers=trial.multipliers,
+        configuration=placed.configuration,
+        velocity=placed.velocity,
+        acceleration=iteration.acceleration,
+        auxiliary=auxiliary,
+        multipliers=iteration.multipliers,
         steps=start.steps + 1,
         iterations=start.iterations + iteration.corrections,
         rejected_steps=start.rejected_steps,
@@ -177,7 +155,7 @@ def substep(
         relative_residual=iteration.relative_residual,
         contraction=contraction,
         largest_error=jnp.maximum(start.largest_error, error),
-        largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.increments)),
+        largest_turn=jnp.maximum(start.largest_turn, _turn(model, placed.increments)),
         kept=kept,
     )
     after = after._replace(control=stepped(model, motion_of(rule, start, after)))
