@@ -29,7 +29,8 @@ _WAITING = 4
 MEMORY = 2 * 2**30
 _TIMES_ITS_SIZE = 20
 
-_OUT_OF_TIME = (-signal.SIGXCPU,) if hasattr(signal, "SIGXCPU") else ()
+_OUT_OF_TIME = -getattr(signal, "SIGXCPU", 24)
+"""Exit code of a process that exceeds its time."""
 _EXPLAINED = 3
 """Exit code of a process that reports an error."""
 
@@ -58,21 +59,22 @@ def _copy_apart(path: Path, copy: Path, parts: Collection[str] | None) -> None:
     memory = max(MEMORY, _TIMES_ITS_SIZE * size)
     # An empty collection copies only the root's attributes; "/" copies everything.
     words = [path.absolute(), copy, seconds, memory, *(["/"] if parts is None else parts)]
+    too_long = OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit")
     try:
         done = subprocess.run(
-            python_command(__file__, *map(str, words)),
+            python_command(__file__, *(str(word) for word in words)),
             env=python_environment(),
             stdin=subprocess.DEVNULL,
             capture_output=True,
             timeout=_WAITING * seconds,
             check=False,
         )
-    except subprocess.TimeoutExpired:
-        raise OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit") from None
+    except subprocess.TimeoutExpired as error:
+        raise too_long from error
     if done.returncode == _EXPLAINED:
         raise OSError(done.stdout.decode(errors="replace").strip())
-    if done.returncode in _OUT_OF_TIME:
-        raise OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit")
+    if done.returncode == _OUT_OF_TIME:
+        raise too_long
     if done.returncode:
         raise OSError(f"HDF5 crashes on this file (exit code {done.returncode})")
 

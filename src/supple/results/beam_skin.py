@@ -25,14 +25,14 @@ class BeamSkin(NamedTuple):
 
     triangles, mesh_lines : (T, 3) as in a `Skin`; triangles have the numbers of the P points
     nodes : (P,) node of each point;  arms : (P, 3) from the node to the point, undeformed, m
-    ends : (P,) beam end of each point, by its number among the beam ends at the node; -1 without stress
+    groups : (P,) group of the stress of each point, as in `SurfacePoints`
     """
 
     triangles: IntArray
     mesh_lines: NDArray[np.bool_]
     nodes: IntArray
     arms: Array
-    ends: IntArray
+    groups: IntArray
 
 
 MOST_OUTLINED = 1000
@@ -66,7 +66,9 @@ def beam_skin(model: FiniteElementModel, section: Section, ranks: IntArray | Non
         np.tile(lines, (n_cells, 1)),
         np.repeat(section.nodes(model.mesh).ravel(), n_corners),
         arms.reshape(-1, 3),
-        np.full(arms.size // 3, -1) if ranks is None else np.repeat(ranks.ravel(), n_corners),
+        np.full(arms.size // 3, -1)
+        if ranks is None
+        else np.repeat(np.where(ranks < 0, -1, 1 + ranks).ravel(), n_corners),
     )
 
 

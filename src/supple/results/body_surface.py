@@ -13,7 +13,7 @@ from supple.integrate import Motion
 from supple.mesh import CellType, Mesh
 from supple.mesh.skin import Skin, skin_of
 from supple.quantities.tracked_motion import Observer, displacement_from_axes, node_positions
-from supple.results.beam_skin import beam_skin
+from supple.results.beam_skin import BeamSkin, beam_skin
 
 __all__ = ["BodySurface", "Look", "SurfacePoints", "body_surface"]
 
@@ -116,42 +116,28 @@ def body_surface(look: Look) -> BodySurface:
 
     Raises ModelError where nothing is visible.
     """
-    beams, mass = [], None
-    if isinstance(look, FiniteElementModel):
-        ranks = beam_end_ranks(look)
-        beams = [
-            beam_skin(look, each, ranks.get(number))
-            for number, each in enumerate(look.sections)
-            if each.cell_type is CellType.LINE2
-        ]
-        mass = look.attached.mass
+    model = look if isinstance(look, FiniteElementModel) else None
     mesh = look if isinstance(look, Mesh) else look.mesh
     n = mesh.n_nodes
-    own = np.zeros(n, dtype=np.int64)
-    if isinstance(look, FiniteElementModel):
-        own = np.where(has_stress_on_faces(look), 0, -1)
-    nodes, arms, groups = [np.arange(n)], [np.zeros((n, 3))], [own]
-    triangles, lines = [], []
-    if any(kind.dimension > 1 for kind in mesh.cells) or not beams:
+    own = np.zeros(n, np.int64) if model is None else np.where(has_stress_on_faces(model), 0, -1)
+    parts, masses = [], np.empty(0, dtype=np.int64)
+    if model is not None:
+        ranks = beam_end_ranks(model)
+        parts = [
+            beam_skin(model, each, ranks.get(number))
+            for number, each in enumerate(model.sections)
+            if each.cell_type is CellType.LINE2
+        ]
+        if model.attached.mass is not None:
+            masses = np.flatnonzero(model.attached.mass.diagonal().reshape(n, -1)[:, :3].any(axis=1))
+    triangles, lines = np.empty((0, 3), np.int64), np.empty((0, 3), np.bool_)
+    if any(kind.dimension > 1 for kind in mesh.cells) or not parts:
         skin = skin_of(mesh)
-        triangles.append(skin.triangles)
-        lines.append(skin.mesh_lines)
-    for beam in beams:
-        triangles.append(sum(len(own) for own in nodes) + beam.triangles)
-        lines.append(beam.mesh_lines)
-        nodes.append(beam.nodes)
-        arms.append(beam.arms)
-        groups.append(np.where(beam.ends < 0, -1, 1 + beam.ends))
-    masses = np.empty(0, dtype=np.int64)
-    if mass is not None:
-        masses = np.flatnonzero(mass.diagonal().reshape(n, -1)[:, :3].any(axis=1))
-    links = mesh.links[(mesh.links[:, 0] != mesh.links[:, 1])]
-    return BodySurface(
-        np.concatenate(nodes),
-        np.concatenate(arms),
-        np.concatenate(groups),
-        mesh,
-        Skin(np.concatenate(triangles), np.concatenate(lines)),
-        links,
-        masses,
+        triangles, lines = skin.triangles, skin.mesh_lines
+    parts.insert(0, BeamSkin(triangles, lines, np.arange(n), np.zeros((n, 3)), own))
+    numbered, lines, nodes, arms, groups = map(np.concatenate, zip(*parts, strict=True))
+    first = np.repeat(
+        np.cumsum([0, *(len(part.nodes) for part in parts[:-1])]), [len(part.triangles) for part in parts]
     )
+    links = mesh.links[mesh.links[:, 0] != mesh.links[:, 1]]
+    return BodySurface(nodes, arms, groups, mesh, Skin(first[:, None] + numbered, lines), links, masses)

@@ -68,14 +68,8 @@ def _tube(cylinder: RigidCylinder, seen: FloatArray) -> tuple[FloatArray, NDArra
 def _ball(sphere: RigidSphere) -> tuple[FloatArray, NDArray[np.int64]]:
     latitude = np.linspace(0, np.pi, _UP + 1)[:, None]
     longitude = np.linspace(0, 2 * np.pi, _AROUND + 1)
-    unit = np.stack(
-        [
-            np.sin(latitude) * np.cos(longitude),
-            np.sin(latitude) * np.sin(longitude),
-            np.broadcast_to(np.cos(latitude), (_UP + 1, _AROUND + 1)),
-        ],
-        axis=-1,
-    )
+    x, y = np.sin(latitude) * np.cos(longitude), np.sin(latitude) * np.sin(longitude)
+    unit = np.stack(np.broadcast_arrays(x, y, np.cos(latitude)), axis=-1)
     return np.array(sphere.centre) + sphere.radius * unit.reshape(-1, 3), _grid(_UP + 1, _AROUND + 1)
 
 
