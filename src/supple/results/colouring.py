@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.body import BodyForm
 from supple.fem import FiniteElementModel, has_stress, isotropic_materials
 from supple.integrate import FramedMotion, Motion
+from supple.methods.explicit import ExplicitShell, ExplicitSubdomain
 from supple.methods.explicit.motions import NodalMotion
 from supple.quantities import von_mises_by_end
 from supple.results import without_noise
@@ -32,7 +33,7 @@ class Colouring:
     label : function of a unit system; returns the label of the colour bar and the factor on the values
     """
 
-    values: Callable[[Any, Motion, Array | None], Array | None]
+    values: Callable[[BodyForm, Motion, Array | None], Array | None]
     label: Callable[[UnitSystem], tuple[str, float]]
 
 
@@ -41,8 +42,8 @@ def _stress_label(units: UnitSystem) -> tuple[str, float]:
     return labelled("von Mises stress", unit), factor
 
 
-def _plastic_strain(body: Any, motion: Motion, _deflection: Array | None) -> Array | None:
-    if body.has_frame or getattr(body, "law", None) is None:
+def _plastic_strain(body: BodyForm, motion: Motion, _deflection: Array | None) -> Array | None:
+    if not isinstance(body, ExplicitSubdomain | ExplicitShell) or body.law is None:
         return None
     own = motion.of_type(NodalMotion)
     return element_means(body, own.plastic_strain, own.alive)
@@ -54,15 +55,15 @@ def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
     elements : finite element models of the bodies, by name; other bodies have no values
     """
 
-    def values(body: Any, motion: Motion, _deflection: Array | None) -> Array | None:
+    def values(body: BodyForm, motion: Motion, _deflection: Array | None) -> Array | None:
         model = elements.get(body.name)
         if model is None or not has_stress(model):
             return None
-        if body.has_frame:
-            stress = von_mises_by_end(body, model, motion.of_type(FramedMotion).coordinates)
-        else:
+        if isinstance(body, ExplicitSubdomain | ExplicitShell):
             own = motion.of_type(NodalMotion)
             stress = element_means(body, own.von_mises, own.alive)
+        else:
+            stress = von_mises_by_end(body, model, motion.of_type(FramedMotion).coordinates)
         return without_noise(stress, like=[each.youngs_modulus for each in isotropic_materials(model)])
 
     return Colouring(values, _stress_label)

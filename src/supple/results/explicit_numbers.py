@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from supple.methods.explicit import (
     ModalSubdomain,
 )
 from supple.methods.explicit.motions import NodalMotion
+from supple.results.run_tables import Numbers
 
 __all__ = ["energy_balance", "explicit_cost_line", "march_numbers", "part_numbers"]
 
@@ -71,7 +71,7 @@ def part_numbers(body: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motio
     }
 
 
-def explicit_cost_line(numbers: Mapping[str, Any]) -> str:
+def explicit_cost_line(numbers: Numbers) -> str:
     """Steps and seconds in one line; numbers from `summarize`."""
     steps, cost = numbers["steps"], numbers["statistics"]
     time = numbers["units"].get("time", "")

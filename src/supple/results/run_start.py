@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from supple.equations.start_change import velocities_taken
 from supple.integrate import FramedMotion, Solution
 from supple.machine import System
+from supple.results.run_tables import Numbers
 
 __all__ = ["first_swing", "start_lines", "start_numbers"]
 
@@ -55,7 +56,7 @@ def first_swing(sizes: np.ndarray) -> tuple[float, int] | None:
     return (share, row) if share >= NOTED else None
 
 
-def start_lines(numbers: Mapping[str, Any]) -> Iterator[str]:
+def start_lines(numbers: Numbers) -> Iterator[str]:
     """The effects of the start as text; numbers from `summarize`."""
     start, units = numbers["start"], numbers["units"]
     time = units.get("time", "")

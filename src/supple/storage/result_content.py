@@ -349,7 +349,7 @@ class ResultContent:
         return found
 
 
-def layout_of(words: Mapping[str, Mapping[str, Any]]) -> Layout:
+def layout_of(words: Any) -> Layout:
     """The layout in the header of a file; empty before the first chunk."""
     return Layout(
         arrays={path: tuple(shape) for path, shape in words.get("arrays", {}).items()},
