@@ -16,7 +16,7 @@ from supple.quantities import (
     Quantity,
     contact_names,
 )
-from supple.results.march_energy_sensor import MarchEnergySensor
+from supple.results.explicit_numbers import MarchEnergySensor
 from supple.simulation.engines import is_explicit
 
 

@@ -1,13 +1,16 @@
-"""Further results of an explicit run: parts, energies and their balance, steps."""
+"""Further results of an explicit run: parts, energies (also as a quantity) and their balance, steps."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.integrate import Motion, Solution
+from supple.machine import System
 from supple.methods.explicit import (
     ENERGIES,
     STEPS,
@@ -17,11 +20,27 @@ from supple.methods.explicit import (
     ModalSubdomain,
 )
 from supple.methods.explicit.motions import NodalMotion
+from supple.quantities import Channel, QuantityKind
 from supple.results.run_tables import Numbers
 
-__all__ = ["energy_balance", "explicit_cost_line", "march_numbers", "part_numbers"]
+__all__ = ["MarchEnergySensor", "energy_balance", "explicit_cost_line", "march_numbers", "part_numbers"]
 
 FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MarchEnergySensor:
+    """Energies of an explicit run: kinetic, internal, plastic, ...; see `Energies`."""
+
+    name: str
+
+    def channels(self, _system: System) -> Sequence[Channel]:
+        """One channel for each of `Energies`."""
+        return [Channel(each, QuantityKind.ENERGY, "") for each in Energies._fields]
+
+    def values(self, _system: System, solution: Solution) -> FloatArray:
+        """The energies, (t, 8)."""
+        return np.asarray(solution.series[ENERGIES])
 
 
 def energy_balance(solution: Solution) -> FloatArray:

@@ -66,8 +66,7 @@ def _frequency(value: float) -> str:
 
 def mode_tables(numbers: Numbers) -> list[TextTable]:
     """Modes, and their effective masses if the ground holds the machine; numbers from `supple modes`."""
-    masses = _effective_mass_table(numbers)
-    return [_mode_table(numbers), *([] if masses is None else [masses])]
+    return [_mode_table(numbers), *_effective_mass_tables(numbers)]
 
 
 def _mode_table(numbers: Numbers) -> TextTable:
@@ -102,15 +101,15 @@ def _mode_table(numbers: Numbers) -> TextTable:
     return TextTable(title, [*heads, "largest share of kinetic energy", "stability"], rows)
 
 
-def _effective_mass_table(numbers: Numbers) -> TextTable | None:
-    """Effective masses of the modes of a machine held by the ground; None for other machines."""
+def _effective_mass_tables(numbers: Numbers) -> Iterator[TextTable]:
+    """Effective masses of the modes of a machine held by the ground; none for other machines."""
     modes, mass = numbers["modes"], numbers["mass"]
     if any(mode["effective_mass"] is None for mode in modes):
-        return None
+        return
     masses = np.array([mode["effective_mass"][:3] for mode in modes])
     moving = np.array([mode["frequency"] > 0 for mode in modes])
     if not (masses[moving] > _HELD * mass).any():
-        return None
+        return
     unit = numbers["units"].get("mass", "")
     cells = np.where(masses > _HELD * 1e-3 * mass, masses, 0.0)
     rows = [
@@ -120,7 +119,7 @@ def _effective_mass_table(numbers: Numbers) -> TextTable | None:
     total = cells.sum(axis=0)
     rows.append(["all", "", *(f"{each:.5g} ({100 * each / mass:.1f} %)" for each in total)])
     heads = ["mode", head(numbers, "frequency", "frequency"), *(headed(axis, unit) for axis in "xyz")]
-    return TextTable(f"Effective masses, of {with_unit(f'{mass:.6g}', unit)}", heads, rows)
+    yield TextTable(f"Effective masses, of {with_unit(f'{mass:.6g}', unit)}", heads, rows)
 
 
 def _damping(ratio: float) -> str:

@@ -106,7 +106,7 @@ def recorded(
     start = file.last_instant() if file.header.n_times else None
     stopped, truncation = None, None
     # A run interrupted after its last output time only has to be marked as complete.
-    if start is None or _is_something_left(run, start):
+    if start is None or start.times[-1] < run.times[-1] - 1e-6 * run.output_step:
         with noted_interruption(file):
             done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)
         stopped = done.stopped
@@ -117,7 +117,3 @@ def recorded(
         file.finish()
     whole = replace(whole, stopped=stopped)
     return replace(whole, truncation=truncation_parts(system, whole) if truncation is None else truncation)
-
-
-def _is_something_left(run: Run, reached: Solution) -> bool:
-    return bool(reached.times[-1] < run.times[-1] - 1e-6 * run.output_step)
