@@ -87,7 +87,7 @@ class ExclusiveLock:
                 if error.errno in _NO_LOCKS_HERE:
                     return self._without_lock(path)
                 raise
-            if _is_at(descriptor, self._neighbour):
+            if is_at(os.fstat(descriptor), self._neighbour):
                 os.truncate(descriptor, 0)
                 os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
                 return descriptor
@@ -103,9 +103,10 @@ class ExclusiveLock:
         return os.open(self._neighbour, os.O_RDWR | os.O_CREAT, 0o666)
 
 
-def _is_at(descriptor: int, path: Path) -> bool:
+def is_at(file: os.stat_result, path: Path) -> bool:
+    """Whether a file is still the one at a path."""
     try:
-        return os.path.samestat(os.fstat(descriptor), path.stat())
+        return os.path.samestat(file, path.stat())
     except FileNotFoundError:
         return False
 

@@ -49,7 +49,7 @@ import numpy as np
 from supple.errors import ResultFileError
 from supple.integrate.solution import Solution, Statistics
 from supple.storage.disk_space import reserve_space
-from supple.storage.exclusive_lock import ExclusiveLock
+from supple.storage.exclusive_lock import ExclusiveLock, is_at
 from supple.storage.file_errors import file_errors
 from supple.storage.hdf5_superblock import written_size
 from supple.storage.result_chunks import (
@@ -241,8 +241,7 @@ class ResultFile:
         self.last_time = float(written.times[-1])
 
     def _is_in_place(self) -> bool:
-        place = self.path.stat() if self.path.exists() else None
-        return place is not None and self._place is not None and os.path.samestat(place, self._place)
+        return self._place is not None and is_at(self._place, self.path)
 
     def _check_in_place(self) -> None:
         """Stop a run whose file was removed or replaced: its results would be lost."""
