@@ -9,6 +9,7 @@ import subprocess
 import sys
 import textwrap
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 
 import h5py
@@ -86,11 +87,14 @@ def test_last_instant_is_the_last_row(tmp_path, make):
 KILLED_RUN = """
 import sys
 sys.path.insert(0, sys.argv[2])
+from dataclasses import replace
+import numpy as np
 from fixtures.made_up_solutions import make_solution
 from supple.storage.result_file import ResultFile
 file = ResultFile.create(sys.argv[1], case={case!r})
 for i in range(10**6):
-    file.append(make_solution(float(i), 7, i))
+    state = {{"own": np.full(int(sys.argv[3]), float(i))}} if sys.argv[3:] else {{}}
+    file.append(replace(make_solution(float(i), 7, i), engine_state=state))
     print(i, flush=True)
 """
 
@@ -271,23 +275,25 @@ def test_full_disk_leaves_the_old_file_of_a_single_shot(tmp_path, make, monkeypa
     assert list(tmp_path.iterdir()) == [path]
 
 
-def limit_file_size():
+def limit_file_size(limit):
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
 
 @pytest.mark.slow
-def test_a_real_failing_write_keeps_what_was_written(tmp_path):
-    # The operating system itself refuses to let the file grow, in the middle of a run.
+@pytest.mark.parametrize(("n_state", "limit"), [(0, 2_000_000), (500_000, 20_000_000)])
+def test_a_real_failing_write_keeps_what_was_written(tmp_path, n_state, limit):
+    # The operating system itself refuses to let the file grow, in the middle of a run. An explicit run has a
+    # large state.
     path = tmp_path / "run.h5"
     script = textwrap.dedent(KILLED_RUN).format(case=CASE)
     here = str(Path(__file__).parents[1])
     run = subprocess.run(
-        [sys.executable, "-B", "-c", script, path, here],
+        [sys.executable, "-B", "-c", script, path, here, str(n_state)],
         capture_output=True,
         text=True,
         check=False,
-        preexec_fn=limit_file_size,
+        preexec_fn=partial(limit_file_size, limit),
     )
     assert "ResultFileError" in run.stderr
     assert "the file has reached the size limit" in run.stderr

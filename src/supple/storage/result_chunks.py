@@ -143,9 +143,13 @@ def _create_growing(file: h5py.File, name: str, array: np.ndarray) -> None:
     file.create_dataset(name, data=array, maxshape=(None,) * array.ndim, chunks=blocks)
 
 
-def most_growth(arrays: Mapping[str, Array]) -> int:
-    """Upper limit of the file's growth in bytes: the rows, a partial block at either end, and their index."""
+def most_growth(arrays: Mapping[str, Array], engine_state: Mapping[str, Array]) -> int:
+    """Upper limit of the file's growth in bytes: the rows, a partial block at either end, and their index.
+
+    engine_state : adds at most one block per key
+    """
     rows = sum(array.nbytes + 2 * max(_BLOCK_BYTES, array[:1].nbytes) for array in arrays.values())
+    rows += sum(max(_BLOCK_BYTES, 8 * np.size(value)) for value in engine_state.values())
     return rows + rows // 8 + _INDEX_BYTES
 
 

@@ -171,7 +171,7 @@ class ResultFile:
         self._check_in_place()
         kept = f" (the run up to t = {self.last_time:g} is stored and can be continued)"
         with file_errors("write", self.path, note=kept):
-            reserve_space(self.path, written_size(self.path) + most_growth(arrays))
+            reserve_space(self.path, written_size(self.path) + most_growth(arrays, chunk.engine_state))
             self._writer.append(arrays, chunk)
         self.last_time = float(chunk.times[-1])
 
