@@ -75,9 +75,9 @@ class ResultHeader:
 
     case: str
     metadata: Metadata
-    complete: bool
-    n_times: int
-    statistics: Statistics
+    complete: bool = False
+    n_times: int = 0
+    statistics: Statistics = field(default_factory=Statistics)
     inputs: Inputs = field(default_factory=lambda: MappingProxyType({}))
 
     @property

@@ -47,7 +47,7 @@ from typing import Self
 import numpy as np
 
 from supple.errors import ResultFileError
-from supple.integrate.solution import Solution, Statistics
+from supple.integrate.solution import Solution
 from supple.storage.disk_space import reserve_space
 from supple.storage.exclusive_lock import ExclusiveLock, is_at
 from supple.storage.file_errors import file_errors
@@ -114,9 +114,7 @@ class ResultFile:
         ResultFileError     a file exists that may not be replaced; the file cannot be written; another run is
                             writing it
         """
-        header = ResultHeader(
-            case, dict(metadata), complete=False, n_times=0, statistics=Statistics(), inputs=dict(inputs)
-        )
+        header = ResultHeader(case, dict(metadata), inputs=dict(inputs))
         lock = _locked(Path(path))
         try:
             if not overwrite:
@@ -325,9 +323,7 @@ def write_solution(
     ------
     ResultFileError     the file cannot be written, or a run is writing it
     """
-    header = ResultHeader(
-        case, dict(metadata), True, len(solution.times), solution.statistics, inputs=dict(inputs)
-    )
+    header = ResultHeader(case, dict(metadata), complete=True, inputs=dict(inputs))
     with _locked(Path(path)):
         write_whole(Path(path), header, solution)
     return Path(path)
