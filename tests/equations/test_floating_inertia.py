@@ -15,6 +15,7 @@ from supple.equations.floating_inertia import (
     inertia_tangent,
     inertia_terms,
     kinetic_energy,
+    velocity_fields,
 )
 from supple.integrate import StepFactors
 
@@ -40,7 +41,7 @@ def test_mass_matrix_is_the_hessian_of_the_kinetic_energy(floating_blade, motion
     gram = floating_blade.gram
 
     def energy(v):
-        return kinetic_energy(gram, motion._replace(angular_velocity=v[3:6], rates=v[6:]), v[:3])
+        return kinetic_energy(gram, velocity_fields(motion.coordinates, v[:3], v[3:6], v[6:]))
 
     v = jnp.concatenate([FRAME_VELOCITY, motion.angular_velocity, motion.rates])
     mass = floating_mass(gram, jnp.asarray(motion.coordinates))
@@ -53,19 +54,12 @@ def test_inertia_force_is_lagranges(floating_blade, motion):
     The velocities are `v = A^T Rdot`, `w = T(psi) psidot`; at psi = 0, T = I and dT/dt psidot = 0, so the
     quasi-velocities' equations are those of the coordinates: global force, moment, deformation.
     """
-    gram, r = floating_blade.gram, floating_blade.r
+    gram = floating_blade.gram
 
     def energy(q, rate):
         rotation = ROTATION @ rotation_exp(q[3:6])
-        moving = FloatingState(
-            q[6:],
-            rotation_right_jacobian(q[3:6]) @ rate[3:6],
-            rate[6:],
-            jnp.zeros(3),
-            jnp.zeros(3),
-            jnp.zeros(r),
-        )
-        return kinetic_energy(gram, moving, rotation.T @ rate[:3])
+        spin = rotation_right_jacobian(q[3:6]) @ rate[3:6]
+        return kinetic_energy(gram, velocity_fields(q[6:], rotation.T @ rate[:3], spin, rate[6:]))
 
     @jax.jit
     def lagrange(q, rate, acceleration):

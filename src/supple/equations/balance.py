@@ -11,7 +11,7 @@ exact. Source: [Wu2019] (26)-(28), (50).
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 
@@ -94,7 +94,7 @@ def balance(model: Model, motion: SystemMotion) -> Balance:
     )
 
 
-def constraint_jacobian(model: Model, time: Any, configuration: Configuration) -> jax.Array:
+def constraint_jacobian(model: Model, time: AnyArray, configuration: Configuration) -> jax.Array:
     """Derivative `G` of the active equations with respect to the velocities, (m, n)."""
     return constraint_rows(model, linearized(model, time, configuration))
 

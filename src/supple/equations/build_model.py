@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import singledispatch
 from typing import Any, TypeVar
 
 import jax
@@ -41,6 +40,7 @@ from supple.machine import (
     Placed,
     SampledController,
     System,
+    TimeLaw,
 )
 from supple.machine.control.controller import Reading
 from supple.reduction.condensed_inertia import condensed_gram
@@ -76,9 +76,7 @@ def build_model(
     Raises ModelError for explicit finite elements, and for a force element along a line whose ends coincide.
     """
     system.check_has_frames()
-    sizes = tuple(_size(placed) for placed in system.bodies)
-    length = system_length(system)
-    places = _BodyPlaces.of(sizes)
+    length, places = system_length(system), _BodyPlaces.of(system)
     n_equations = system.n_constraints
     forces = [load for load in system.loads if isinstance(load, ForceElement)]
     nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
@@ -97,7 +95,7 @@ def build_model(
         base_accelerations=tuple(load.law for load in system.loads if isinstance(load, BaseAcceleration)),
         length=length,
         mass=sum(placed.body.mass for placed in system.bodies),
-        sizes=sizes,
+        sizes=places.sizes,
         n_equations=n_equations,
         active=tuple(range(n_equations)) if active is None else active,
         controllers=tuple(_control_law(system, controller, places) for controller in system.controllers),
@@ -121,7 +119,7 @@ def _weightless(group: BodyGroup, n_floating: int) -> BodyGroup:
     return replace(group, gram=gram, inertia=inertia)
 
 
-def _are(own: Sequence[Any], others: Sequence[Any]) -> bool:
+def _are(own: Sequence[object], others: Sequence[object]) -> bool:
     return len(own) == len(others) and all(one is other for one, other in zip(own, others, strict=True))
 
 
@@ -129,11 +127,6 @@ def is_on_full_nodes(system: System, load: NodalLoad) -> bool:
     """True for loads on the nodes of a full body, which only the sparse method can apply."""
     body = system.bodies[system.body_index(load.body)].body
     return body.uses_interface_motions and load.nodes.size > 0
-
-
-def _size(placed: Placed) -> int:
-    body = placed.body
-    return 6 * len(body.interfaces) if body.uses_interface_motions else body.n_coordinates
 
 
 def seen_coordinates(body: BodyForm, coordinates: np.ndarray) -> np.ndarray:
@@ -155,8 +148,10 @@ class _BodyPlaces:
     coordinates: tuple[int, ...]
 
     @classmethod
-    def of(cls, sizes: tuple[int, ...]) -> _BodyPlaces:
-        """Positions for bodies with these numbers of coordinates, one after the other."""
+    def of(cls, system: System) -> _BodyPlaces:
+        """Positions for the bodies of a system, one after the other."""
+        bodies = [placed.body for placed in system.bodies]
+        sizes = tuple(6 * len(b.interfaces) if b.uses_interface_motions else b.n_coordinates for b in bodies)
         ends = np.cumsum([0, *sizes])[:-1]
         return cls(sizes, tuple(int(e) + 6 * i for i, e in enumerate(ends)), tuple(int(e) for e in ends))
 
@@ -177,26 +172,26 @@ def _grouped(items: Sequence[T], key: Callable[[T], Hashable]) -> list[list[T]]:
     return list(groups.values())
 
 
-def _stacked(trees: Sequence[Any]) -> Any:
+def _stacked(trees: Sequence[T]) -> T:
     """Pytrees of one structure stacked into one, with a leading axis on every leaf."""
     return jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *trees)
 
 
-def _shared(trees: Sequence[Any]) -> Any:
+def _shared(trees: Sequence[T]) -> T:
     """As `_stacked`; if all trees have the same array objects, one is stored, with a leading axis of one."""
     first = jax.tree.leaves(trees[0])
     same = all(a is b for tree in trees for a, b in zip(jax.tree.leaves(tree), first, strict=True))
     return _stacked(trees[:1] if same else trees)
 
 
-def _stacked_laws(laws: Sequence[Any]) -> Any:
+def _stacked_laws(laws: Sequence[TimeLaw | None]) -> TimeLaw | None:
     """The laws of a group as one law of JAX arrays, whose numbers no law checks; None without laws."""
     if laws[0] is None:
         return None
     return jax.tree.map(lambda *leaves: jnp.asarray(np.stack([np.asarray(leaf) for leaf in leaves])), *laws)
 
 
-def _structure(tree: Any) -> Hashable:
+def _structure(tree: object) -> Hashable:
     """The properties that two pytrees must share to be stacked."""
     leaves, structure = jax.tree.flatten(tree)
     return structure, tuple((np.shape(leaf), np.result_type(leaf)) for leaf in leaves)
@@ -213,26 +208,21 @@ ONE_POINT = 1e-12
 """Largest size of a system that counts as a single point, relative to the largest radius of gyration of its
 rigid bodies."""
 
-_ELASTIC = ("stiffness", "damping")
 _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
 
 
-@singledispatch
-def _arrays(body: Any, length: float) -> dict[str, Any]:
-    """Inertia and elasticity of a body in the form of arrays."""
-    elastic = {name: getattr(body, name) for name in (*_ELASTIC, "cubic", "damping_cubic")}
-    elastic |= {"quartic": body.quartic_blocks, "damping_quartic": body.damping_quartic_blocks}
-    return _inertia(condensed_gram(body), body.mass, length) | elastic
-
-
-@_arrays.register
-def _(body: RigidBody, length: float) -> dict[str, Any]:
-    elastic = {**dict.fromkeys(_TENSORS), **dict.fromkeys(_ELASTIC, np.zeros((0, 0)))}
-    return _inertia(rigid_gram(body), body.mass, length) | elastic
-
-
-def _inertia(gram: np.ndarray, mass: float, length: float) -> dict[str, Any]:
-    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": length * np.sqrt(mass)}
+def _arrays(body: BodyForm, length: float) -> dict[str, Any]:
+    """Inertia and elasticity of a body in the form of arrays: fields of `BodyGroup`."""
+    if isinstance(body, RigidBody):
+        gram, none = rigid_gram(body), np.zeros((0, 0))
+        elastic = dict.fromkeys(_TENSORS) | {"stiffness": none, "damping": none}
+    else:
+        reduced: Any = body
+        gram = condensed_gram(reduced)
+        elastic = {name: getattr(body, name) for name in ("stiffness", "damping", "cubic", "damping_cubic")}
+        elastic |= {"quartic": reduced.quartic_blocks, "damping_quartic": reduced.damping_quartic_blocks}
+    scale = length * np.sqrt(body.mass)
+    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": scale} | elastic
 
 
 def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[BodyGroup, ...]:
@@ -415,14 +405,12 @@ def _readers(system: System, reads: Mapping[str, Reading], places: _BodyPlaces) 
 
 def readers_of(system: System, reads: Mapping[str, Reading]) -> tuple[Reader, ...]:
     """Named readings of a machine, as arrays."""
-    return _readers(system, reads, _BodyPlaces.of(tuple(_size(placed) for placed in system.bodies)))
+    return _readers(system, reads, _BodyPlaces.of(system))
 
 
 def force_group_of(system: System, element: ForceElement) -> ForceGroup:
     """One force element as arrays, whether it belongs to the machine or not."""
-    (group,) = _force_groups(
-        system, [element], _BodyPlaces.of(tuple(_size(placed) for placed in system.bodies))
-    )
+    (group,) = _force_groups(system, [element], _BodyPlaces.of(system))
     return group
 
 
@@ -470,11 +458,6 @@ def system_length(system: System) -> float:
     points = [position[None] for _, position, _ in assemblies]
     points += [position + nodes @ rotation.T for nodes, position, rotation in assemblies]
     extent = float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0)))
-    gyration = _largest_gyration(system)
-    return extent if extent > ONE_POINT * gyration else gyration
-
-
-def _largest_gyration(system: System) -> float:
-    """Largest radius of gyration of the rigid bodies; 1 without rigid bodies."""
     rigid = system.bodies_of(RigidBody).values()
-    return max((float(np.sqrt(np.trace(body.inertia) / body.mass)) for body in rigid), default=1.0)
+    gyration = max((float(np.sqrt(np.trace(body.inertia) / body.mass)) for body in rigid), default=1.0)
+    return extent if extent > ONE_POINT * gyration else gyration

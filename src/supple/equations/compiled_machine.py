@@ -21,11 +21,10 @@ from supple.equations.configuration import (
 )
 from supple.equations.consistent_start import consistent_start
 from supple.equations.control_start import first_control
-from supple.equations.converged_reactions import converged_reactions
 from supple.equations.inertia import mass_matrix
 from supple.equations.machine_model import Model
 from supple.equations.start_change import StartChange
-from supple.equations.starting_machine import JointTerms, joint_terms
+from supple.equations.starting_machine import JointTerms, converged_reactions, joint_terms
 from supple.machine import System
 from supple.programs.program_cache import CachedProgram
 

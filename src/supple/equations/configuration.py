@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from supple.algebra.rotation import rotation_exp, rotation_right_jacobian
 from supple.algebra.small_product import small_product
 from supple.equations.machine_model import Model
-from supple.equations.places import over
+from supple.equations.places import AnyArray, over
 
 __all__ = [
     "AnyArray",
@@ -22,9 +22,6 @@ __all__ = [
     "advance",
     "turns_by_increment",
 ]
-
-AnyArray = Any
-"""A NumPy or a JAX array: compiled and sparse methods use the same records for their states."""
 
 
 Tree: TypeAlias = Any

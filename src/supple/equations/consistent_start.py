@@ -10,6 +10,7 @@ Redundant constraint equations are found by orthogonalising the rows of the Jaco
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -19,11 +20,10 @@ from supple.equations.build_model import row_scales
 from supple.equations.configuration import Configuration
 from supple.equations.joint_closure import check_joints_finite, joints_closed, row_labels
 from supple.equations.machine_model import Model
-from supple.equations.singular_start import check_redundant_nearby, neighbours
 from supple.equations.start_change import StartChange, StartEnergies
 from supple.equations.start_velocity import velocity_change
 from supple.equations.starting_machine import StartingMachine
-from supple.errors import ModelError, RedundantConstraintWarning
+from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
 from supple.machine import JointFriction, System
 
 __all__ = ["ConsistentStart", "consistent_start"]
@@ -33,6 +33,13 @@ _REDUNDANT = 1e-9
 in the norm of `StartingMachine.metric`."""
 _OPEN = 1e-3
 """Constraint residual, relative to the system's size or in rad, above which the model is in error."""
+_MOVED_BY = 1e-3
+"""Size of a motion to a neighbouring configuration, relative to the system's size or in rad; a residual
+quadratic in the motion is then 1e-6."""
+_OPENED_BY = 1e-8
+"""Largest residual there of a truly redundant equation, relative to the system's size or in rad."""
+_DIRECTIONS = 3
+"""Number of random combinations of the free motions, because a single motion may not open the joint."""
 
 
 M = TypeVar("M", bound=StartingMachine)
@@ -110,27 +117,55 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
 def _check_nearby(
     every: M, machine: M, time: float, configuration: Configuration, velocity: np.ndarray
 ) -> None:
-    """Raise ModelError if the equations left out are redundant only in the initial configuration."""
+    """Raise ModelError if the equations left out are redundant only in the initial configuration.
 
-    def closed(motion: np.ndarray) -> Configuration:
+    In a singular position, constraint equations of a mechanism depend on each other; in other positions they
+    do not. Examples are a flat parallelogram, a folded slider-crank, and a taut chain between two pins. If
+    such an equation is left out of the run, its joint opens as soon as the mechanism moves. Here the
+    mechanism is moved a little along the motions that the remaining equations allow, and these equations are
+    solved again; a truly redundant equation is then still satisfied.
+    """
+    labels, scales = row_labels(machine.system), row_scales(machine.system)
+    left_out = sorted(set(every.model.active) - set(machine.model.active))
+    frames = np.array([np.arange(part.start, part.start + 6) for part in machine.slices])
+    jacobian = machine.joint_terms(time, configuration, velocity).jacobian
+    for motion in _neighbours(float(machine.model.length), machine.joint_slices, jacobian):
         increment = np.zeros_like(velocity)
-        for part, own in zip(machine.slices, motion, strict=True):
-            increment[part.start : part.start + 6] = own
-        return joints_closed(machine, time, machine.moved(configuration, increment), velocity)
-
-    check_redundant_nearby(
-        row_labels(machine.system),
-        sorted(set(every.model.active) - set(machine.model.active)),
-        list(
-            neighbours(
-                float(machine.model.length),
-                machine.joint_slices,
-                machine.joint_terms(time, configuration, velocity).jacobian,
+        increment[frames] = motion
+        try:
+            moved = machine.moved(configuration, increment)
+            closed = joints_closed(machine, time, moved, velocity)
+        except ConvergenceError:
+            continue  # the remaining equations do not allow this configuration
+        opened = np.abs(every.joint_terms(time, closed, velocity).residual / scales)[left_out]
+        worst = int(np.argmax(opened))
+        if opened[worst] > _OPENED_BY:
+            names = ", ".join(labels[index] for index in left_out)
+            raise ModelError(
+                f"the mechanism starts in a dead point: {names} depend(s) on the other joints in the initial "
+                f"configuration, but not beside it, where {labels[left_out[worst]]} would open by "
+                f"{opened[worst]:.2g} of the machine's size, or rad. The motion out of a dead point is "
+                "undetermined: place the bodies beside it, with all joints closed; it is enough to give a "
+                "driving joint an initial angle that is not at the dead point"
             )
-        ),
-        closed,
-        lambda at: every.joint_terms(time, at, velocity).residual / row_scales(machine.system),
-    )
+
+
+def _neighbours(length: float, parts: Sequence[slice], jacobian: np.ndarray) -> np.ndarray:
+    """Small motions of the bodies' frames (k, nb, 6) that the joints allow to first order.
+
+    length : size of the system
+    parts : positions of the velocities of each body in the columns of the jacobian, its frame's six first
+    jacobian : (m, n)   of the remaining constraint equations
+    """
+    scale = np.tile(np.concatenate([np.full(3, length), np.ones(3)]), len(parts))
+    columns = [jacobian[:, part.start : part.start + 6] for part in parts]
+    free = scipy.linalg.null_space(np.hstack(columns) * scale, rcond=1e-9)
+    if not free.shape[1]:
+        return np.zeros((0, len(parts), 6))
+    random = np.random.default_rng(0).standard_normal((_DIRECTIONS, free.shape[1]))
+    moves = random @ free.T
+    moves *= _MOVED_BY / np.abs(moves).max(axis=1, keepdims=True)
+    return (moves * scale).reshape(_DIRECTIONS, len(parts), 6)
 
 
 def placed_configuration(system: System) -> Configuration:

@@ -11,13 +11,13 @@ then functions of the time and of the readings y_1 alone. The tangent includes t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.configuration import ControlState, ControlStep, SystemMotion
+from supple.equations.configuration import AnyArray, ControlState, ControlStep, SystemMotion
 from supple.equations.ends import markers
 from supple.equations.machine_model import ControlLaw, Ends, Model
 from supple.equations.marker import (
@@ -31,7 +31,7 @@ from supple.equations.marker import (
 from supple.equations.places import MatrixBlock, Places
 from supple.errors import ModelError
 from supple.integrate import StepFactors
-from supple.machine.forces.relative_motion import axial_motion, wrapped
+from supple.machine.forces.relative_motion import AxialMotion, axial_motion, wrapped
 from supple.machine.pose import Pose, Wrench
 
 __all__ = [
@@ -51,6 +51,11 @@ __all__ = [
     "stepped",
     "tangent",
 ]
+
+Readings = dict[str, Pose | AxialMotion]
+"""Readings of a controller by name: of an end, or of a joint."""
+
+T = TypeVar("T")
 
 _ITERATIONS = 3
 """Newton iterations for the states of one step; a single one is exact if the rates are linear in them."""
@@ -100,13 +105,13 @@ def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
     for number, law in enumerate(model.controllers):
         now = readings_of(law, step.start.states[number], _poses(law, motion))
         own = _new_states(law, number, motion, now)
-        angles = [now[each.name].angle for each in law.readers if each.of_joint]
+        angles = [each.angle for each in now.values() if isinstance(each, AxialMotion)]
         states.append(jnp.concatenate([own, jnp.stack(angles)]) if angles else own)
         rates.append(rates_of(law, motion.time, now, own))
     return step.start._replace(states=tuple(states), rates=tuple(rates))
 
 
-def readings_at(model: Model, motion: SystemMotion) -> tuple[dict[str, Any], ...]:
+def readings_at(model: Model, motion: SystemMotion) -> tuple[Readings, ...]:
     """The readings of each controller."""
     step = _step(motion)
     return tuple(
@@ -120,7 +125,7 @@ def first_states(model: Model) -> np.ndarray:
     return np.concatenate([np.zeros(0), *(np.asarray(law.initial) for law in model.controllers)])
 
 
-def resting_control(model: Model, states: Any) -> ControlStep | None:
+def resting_control(model: Model, states: AnyArray) -> ControlStep | None:
     """A step of zero length, with constant states of the controllers; None without controllers.
 
     For controllers traced by JAX, not for sampled ones.
@@ -131,11 +136,11 @@ def resting_control(model: Model, states: Any) -> ControlStep | None:
     for law, own in zip(model.controllers, states_by_controller(model, states), strict=True):
         every.append(np.array([*own, *(reader.near for reader in law.readers if reader.of_joint)]))
     none = tuple(np.zeros(np.shape(law.initial)) for law in model.controllers)
-    empty: tuple[dict[str, Any], ...] = tuple({} for _ in every)
+    empty: tuple[dict[str, AnyArray], ...] = tuple({} for _ in every)
     return ControlStep(ControlState(tuple(every), none, empty, empty), np.zeros(()))
 
 
-def states_by_controller(model: Model, states: Any) -> list[Any]:
+def states_by_controller(model: Model, states: AnyArray) -> list[np.ndarray]:
     """The states of each controller among those of all."""
     sizes = [np.size(law.initial) for law in model.controllers]
     return np.split(np.asarray(states), np.cumsum(sizes)[:-1]) if sizes else []
@@ -170,7 +175,9 @@ def by_body(ends: list[Ends]) -> dict[int, list[int]]:
     return found
 
 
-def moved_with(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[Places, jax.Array]:
+def moved_with(
+    ends: list[Ends], numbers: list[int], turn: AnyArray | None = None
+) -> tuple[Places, jax.Array]:
     """Positions of a body's velocities in the vector of all velocities, and a matrix (12 k, 6 + r).
 
     The matrix maps these velocities to the local freedoms of the body's k ends. With `turn` (3, 3), it
@@ -205,13 +212,13 @@ def _poses(law: ControlLaw, motion: SystemMotion) -> Pose:
     return jax.vmap(pose)(_all_markers(law, motion))
 
 
-def _one(stacked: Any, number: int) -> Any:
+def _one(stacked: T, number: int) -> T:
     return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], stacked)
 
 
-def readings_of(law: ControlLaw, states: Any, seen: Pose) -> dict[str, Any]:
+def readings_of(law: ControlLaw, states: AnyArray, seen: Pose) -> Readings:
     """Readings by name; joint angles include the revolutions counted in the states."""
-    found: dict[str, Any] = {}
+    found: Readings = {}
     counted = len(law.initial)
     for number, reader in enumerate(law.readers):
         first, second = _one(seen, 2 * number), _one(seen, 2 * number + 1)
@@ -224,7 +231,7 @@ def readings_of(law: ControlLaw, states: Any, seen: Pose) -> dict[str, Any]:
     return found
 
 
-def rates_of(law: ControlLaw, time: Any, readings: Mapping[str, Any], states: jax.Array) -> jax.Array:
+def rates_of(law: ControlLaw, time: AnyArray, readings: Readings, states: jax.Array) -> jax.Array:
     """`f(t, y, z)`, (k,)."""
     if law.rates is None:
         return jnp.zeros(0)
@@ -260,7 +267,7 @@ def _real(value: Any, what: str) -> jax.Array:
         raise ModelError(f"{what} must be real numbers, got {value}") from error
 
 
-def _new_states(law: ControlLaw, number: int, motion: SystemMotion, readings: Mapping[str, Any]) -> jax.Array:
+def _new_states(law: ControlLaw, number: int, motion: SystemMotion, readings: Readings) -> jax.Array:
     """`z_1`, (k,)."""
     step = _step(motion)
     old, rates = step.start.states[number][: len(law.initial)], step.start.rates[number]
@@ -278,7 +285,9 @@ def _new_states(law: ControlLaw, number: int, motion: SystemMotion, readings: Ma
     return states
 
 
-def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mapping[str, Any]) -> Any:
+def _outputs(
+    law: ControlLaw, number: int, motion: SystemMotion, readings: Readings
+) -> Mapping[str, AnyArray]:
     """Outputs by name of the actuator."""
     if law.outputs is None:
         return _step(motion).start.held[number]
@@ -293,7 +302,9 @@ def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mappi
     return found
 
 
-def local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
+def local_forces(
+    law: ControlLaw, number: int, motion: SystemMotion
+) -> Callable[[jax.Array, jax.Array], jax.Array]:
     """Function that returns the forces (a, 12) on the driven ends, a in number.
 
     Its arguments are the displacements and the rates, (e, 12) each, of all ends of `seen_ends`.
@@ -315,6 +326,7 @@ def local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
                 raise ModelError(f"{what} must have the shape {each.shape}, got {added.shape}")
             added = jnp.reshape(added, each.shape)
             ends = _one(poses, n_read + 2 * place), _one(poses, n_read + 2 * place + 1)
+            assert own is not None
             loads += each.force.wrenches(*ends, own(motion.time) + added, parameters)
         every = jax.tree.map(lambda *leaves: jnp.stack(leaves), *loads)
         return jax.vmap(generalized_force)(jax.tree.map(lambda leaf: leaf[n_read:], moved), every)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -79,7 +80,7 @@ def control_at_rest(model: Model, motion: SystemMotion) -> RestingControl:
 
 
 def unrest(
-    system: System, control: RestingControl, position_scale: Any, velocity: Any, states: Any
+    system: System, control: RestingControl, position_scale: AnyArray, velocity: AnyArray, states: AnyArray
 ) -> dict[str, float]:
     """Rate of each state, relative to the size of its terms; keys describe the state and its rate.
 
@@ -148,7 +149,7 @@ def _terms(model: Model, motion: SystemMotion) -> RestingControl:
 _at_rest = CachedProgram(_terms, STARTING)
 
 
-def _states(motion: SystemMotion, number: int) -> Any:
+def _states(motion: SystemMotion, number: int) -> jax.Array:
     """States of one controller, followed by the angles of joints."""
     assert motion.control is not None
     return jnp.asarray(motion.control.start.states[number])
@@ -163,7 +164,9 @@ def _with_states(motion: SystemMotion, number: int, states: jax.Array) -> System
     return motion._replace(control=motion.control._replace(start=start))
 
 
-def _local_rates(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
+def _local_rates(
+    law: ControlLaw, number: int, motion: SystemMotion
+) -> Callable[[jax.Array, jax.Array, jax.Array], jax.Array]:
     """A function of displacements and rates (e, 12) of all ends, and of the states (k,): their rates (k,)."""
     moved = moved_markers(law, motion)
 
@@ -174,7 +177,7 @@ def _local_rates(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
     return of
 
 
-def _forces_by_states(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
+def _forces_by_states(law: ControlLaw, number: int, motion: SystemMotion) -> Callable[[jax.Array], jax.Array]:
     """A function of the states: forces (a, 12) on the a driven ends."""
     still = jnp.zeros((len(seen_ends(law)), N_LOCAL))
     return lambda states: local_forces(law, number, _with_states(motion, number, states))(still, still)

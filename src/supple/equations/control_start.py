@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 from urllib.parse import quote
 
 import jax
 import numpy as np
 
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import ControlState, ControlStep, SystemMotion
+from supple.equations.configuration import AnyArray, ControlState, ControlStep, SystemMotion
 from supple.equations.control_force import stepped
 from supple.equations.machine_model import Model
 from supple.errors import ModelError
@@ -57,11 +56,7 @@ def control_after(model: Model, motion: SystemMotion) -> ControlState:
     return jax.tree.map(np.asarray, _stepped(model, motion))
 
 
-def _stepped_at(model: Model, motion: SystemMotion) -> Any:
-    return stepped(model, motion)
-
-
-_stepped = CachedProgram(_stepped_at, STARTING)
+_stepped = CachedProgram(stepped, STARTING)
 
 
 def kept_control(model: Model, control: ControlState | None) -> dict[str, np.ndarray]:
@@ -87,7 +82,7 @@ def kept_states(
     return np.asarray(states)[:n], np.asarray(states)[n:]
 
 
-def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | None:
+def resumed_control(system: System, known: Mapping[str, np.ndarray]) -> ControlState | None:
     """The stored controller states; ModelError if their names or shapes are not those of the system's."""
     fresh = fresh_control(system)
     if fresh is None:
@@ -103,7 +98,7 @@ def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | 
     return jax.tree.unflatten(structure, [np.asarray(known[name]) for name in names])
 
 
-def _named(control: ControlState, controllers: Sequence[str]) -> list[tuple[str, Any]]:
+def _named(control: ControlState, controllers: Sequence[str]) -> list[tuple[str, AnyArray]]:
     """Leaves in their order, each with a name such as "control.memory.CONTROLLER.integral"."""
     found, _ = jax.tree_util.tree_flatten_with_path(control)
     named = []
@@ -118,5 +113,5 @@ def _key(controller: str) -> str:
     return quote(controller, safe=" ").replace(".", "%2E")
 
 
-def _word(key: Any) -> str:
+def _word(key: object) -> str:
     return str(next(getattr(key, name) for name in ("name", "idx", "key") if hasattr(key, name)))

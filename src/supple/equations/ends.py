@@ -6,13 +6,12 @@ The twelve local freedoms of a marker are defined in `marker.py`.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 
 from supple.algebra.small_product import small_product
-from supple.equations.configuration import Configuration
+from supple.equations.configuration import AnyArray, Configuration
 from supple.equations.machine_model import Ends, ForceGroup, JointGroup
 from supple.equations.marker import Marker
 from supple.equations.places import MatrixBlock, Places, over
@@ -50,7 +49,7 @@ def markers(ends: Ends, configuration: Configuration, velocity: jax.Array | None
     )
 
 
-def _of_bodies(ends: Ends, per_body: Any) -> Any:
+def _of_bodies(ends: Ends, per_body: AnyArray) -> AnyArray:
     """Rows of an array (nb, ...) for the bodies of the ends, (k, ...)."""
     return Places(ends.bodies, 1).take(per_body)[:, 0]
 

@@ -18,7 +18,7 @@ Source: floating-frame theory page; [Wu2019] Appendix A, without its shape-funct
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -26,6 +26,7 @@ import numpy as np
 
 from supple.algebra.rotation import skew
 from supple.algebra.small_product import small_product
+from supple.equations.places import AnyArray
 from supple.integrate import StepFactors
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "inertia_tangent",
     "inertia_terms",
     "kinetic_energy",
+    "velocity_fields",
 ]
 
 
@@ -46,14 +48,14 @@ __all__ = [
 class InertiaArrays:
     """The blocks of the Gram matrix in the order in which the equations of motion use them."""
 
-    fixed: Any
+    fixed: AnyArray
     """(3 + r, 6 + 4r): rows of the translations and of the deformation"""
-    by_spin: Any
+    by_spin: AnyArray
     """(1 + r, 3 (6 + 4r)): rows of the rotation, then of each `e_i x V_k`, the three axes side by side"""
-    by_deformation: Any
+    by_deformation: AnyArray
     """(12, r^2): coefficients of `w_i` in the gyroscopic matrix (3), their transposes (3), and coefficients
     of `w_i w_j` in the centrifugal matrix (6, `i <= j`)"""
-    inertia: Any
+    inertia: AnyArray
     """(r, r): mass of the deformation, the identity for orthonormal shapes"""
 
 
@@ -107,19 +109,13 @@ def _split(vector: jax.Array) -> _Parts:
     return _Parts(vector[:3], vector[3:6], coupling, vector[6 + 3 * r :])
 
 
-def _join(
-    translation: jax.Array, rotation: jax.Array, coupling: jax.Array, deformation: jax.Array
-) -> jax.Array:
-    return jnp.concatenate([translation, rotation, coupling.reshape(-1), deformation])
-
-
 def _cross(spin: jax.Array, columns: jax.Array) -> jax.Array:
     """`spin x` each column, (3, k)."""
     x, y, z = columns
     return jnp.stack([spin[1] * z - spin[2] * y, spin[2] * x - spin[0] * z, spin[0] * y - spin[1] * x])
 
 
-def inertia_arrays(gram: Any) -> InertiaArrays:
+def inertia_arrays(gram: AnyArray) -> InertiaArrays:
     """The Gram matrix (6 + 4r, 6 + 4r) rearranged for the equations of motion."""
     gram = np.asarray(gram)
     n = gram.shape[0]
@@ -261,18 +257,20 @@ def inertia_tangent(
     return jnp.concatenate([force_rows, moment_rows, deformation_rows])
 
 
-def kinetic_energy(gram: jax.Array, motion: FloatingState, velocity: jax.Array) -> jax.Array:
-    """`T = z G z / 2` with the frame's velocity `v = A^T Rdot` (3,) in body components."""
-    z = _join(
-        velocity, motion.angular_velocity, motion.coordinates[:, None] * motion.angular_velocity, motion.rates
-    )
+def velocity_fields(
+    coordinates: jax.Array, velocity: jax.Array, angular_velocity: jax.Array, rates: jax.Array
+) -> jax.Array:
+    """`z` (6 + 4r,) of a body with coordinates and rates (r,); velocities of its frame in body components."""
+    carried = (coordinates[:, None] * angular_velocity).reshape(-1)
+    return jnp.concatenate([velocity, angular_velocity, carried, rates])
+
+
+def kinetic_energy(gram: jax.Array, z: jax.Array) -> jax.Array:
+    """`T = z G z / 2` of `velocity_fields`."""
     return z @ gram @ z / 2
 
 
-def frame_momenta(gram: jax.Array, motion: FloatingState, velocity: jax.Array) -> tuple[jax.Array, jax.Array]:
+def frame_momenta(gram: jax.Array, coordinates: jax.Array, z: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Linear momentum, and angular momentum about the frame origin, body components, (3,) each."""
-    z = _join(
-        velocity, motion.angular_velocity, motion.coordinates[:, None] * motion.angular_velocity, motion.rates
-    )
     h = _split(gram @ z)
-    return h.translation, h.rotation + motion.coordinates @ h.coupling
+    return h.translation, h.rotation + coordinates @ h.coupling

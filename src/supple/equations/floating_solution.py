@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution, Sta
 from supple.machine import System
 
 __all__ = [
-    "LastInstant",
     "StationMotions",
     "body_motions",
     "failure_message",
@@ -41,7 +40,7 @@ def floating_solution(
     engine_state : further numbers for an exact resume
     seen : motions of bodies represented by stations; None without such bodies
     """
-    bodies: dict[str, Any] = dict(
+    bodies: dict[str, Motion] = dict(
         body_motions(system, slices, motion.configuration, motion.velocity, motion.acceleration)
     )
     bodies |= {} if seen is None else seen.bodies
@@ -105,19 +104,11 @@ class StationMotions(NamedTuple):
     stations: Mapping[str, FloatingMotion]
 
 
-class LastInstant(NamedTuple):
-    """The state of a system at the end of a recorded part."""
+def last_instant(system: System, done: Solution) -> SystemMotion:
+    """The last state of a recorded part, with multipliers of all equations.
 
-    time: float
-    configuration: Configuration
-    velocity: np.ndarray
-    acceleration: np.ndarray
-    multipliers: np.ndarray
-    """Multipliers of all equations"""
-
-
-def last_instant(system: System, done: Solution) -> LastInstant:
-    """The last state of a recorded part; ModelError when its bodies or joints are not those of the system."""
+    Raises ModelError when its bodies or joints are not those of the system.
+    """
     known, names = done.engine_state, [placed.body.name for placed in system.bodies]
     if set(names) != set(done.bodies) or {joint.name for joint in system.joints} != set(done.multipliers):
         raise ModelError("the recorded part has other bodies or joints than this system: start a new run")
@@ -127,7 +118,7 @@ def last_instant(system: System, done: Solution) -> LastInstant:
     def joined(*items: str) -> np.ndarray:
         return np.concatenate([getattr(last[name], item)[-1] for name in names for item in items])
 
-    return LastInstant(
+    return SystemMotion(
         time=float(done.times[-1]),
         configuration=Configuration(
             origins=np.array([last[name].position[-1] for name in names]),

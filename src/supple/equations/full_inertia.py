@@ -102,12 +102,6 @@ class FullInertia:
         return InertiaPolynomial(self.body)
 
     @cached_property
-    def _centrifugal(self) -> tuple[csc_array, ...]:
-        """`Z_ii`, `Z_ij + Z_ji` of `SPIN_PAIRS`."""
-        pairs = zip(SPIN_PAIRS, self._energy.by_spin, strict=True)
-        return tuple(csc_array(Z if i == j else Z + Z.T) for (i, j), Z in pairs)
-
-    @cached_property
     def _rigid_momenta(self) -> np.ndarray:
         """`M R`, (n, 6): `S^T`, then `P_i`."""
         return self.body.mass @ self.body.rigid_modes
@@ -148,9 +142,7 @@ class FullInertia:
 
     def terms(self, motion: FullMotion) -> FullInertiaForces:
         """Inertia forces on coordinates and frame."""
-        return self._terms(motion, self._state(motion))
-
-    def _terms(self, motion: FullMotion, state: _State) -> FullInertiaForces:
+        state = self._state(motion)
         w, dw, a = motion.angular_velocity, motion.angular_acceleration, motion.frame_acceleration
         momenta, spin = self._rigid_momenta.T, cross_matrix(w)
         own = (
@@ -222,11 +214,12 @@ class FullInertia:
         mass `M`; gyroscopic `B_i^T - B_i`; euler `B_i^T`; centrifugal `-Z_ii` and `-(Z_ij + Z_ji)`, in the
         order of `SPIN_PAIRS`.
         """
+        pairs = zip(SPIN_PAIRS, self._energy.by_spin, strict=True)
         return {
             "mass": [csc_array(self.body.mass)],
             "gyroscopic": [csc_array(matrix.T - matrix) for matrix in self._energy.by_rate],
             "euler": [csc_array(matrix.T) for matrix in self._energy.by_rate],
-            "centrifugal": [-matrix for matrix in self._centrifugal],
+            "centrifugal": [-csc_array(Z if i == j else Z + Z.T) for (i, j), Z in pairs],
         }
 
     @staticmethod

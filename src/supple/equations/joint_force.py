@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +11,7 @@ import numpy as np
 
 from supple.algebra.small_product import small_product
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import Configuration, SystemMotion, turns_by_increment
+from supple.equations.configuration import AnyArray, Configuration, SystemMotion, turns_by_increment
 from supple.equations.ends import (
     blocks_on_bodies,
     columns_on_velocities,
@@ -46,13 +46,13 @@ __all__ = [
 class LinearizedJoints(NamedTuple):
     """A group of joints at one configuration."""
 
-    coefficients: Any
+    coefficients: AnyArray | None
     """`L` (k, m, 12) of `g = L (d, Q) + b` if it varies with a law of time; None if it is constant"""
     at: JointLinearization
     """Linearisations of the joints, stacked"""
 
 
-def _values(joints: JointGroup, time: Any) -> Any:
+def _values(joints: JointGroup, time: AnyArray) -> AnyArray | None:
     """Values of the laws, (k, ...); None without laws."""
     if joints.law is None:
         return None
@@ -62,7 +62,7 @@ def _values(joints: JointGroup, time: Any) -> Any:
     return over(lambda law: jnp.asarray(law(time)), joints.law)
 
 
-def linearized(model: Model, time: Any, configuration: Configuration) -> tuple[LinearizedJoints, ...]:
+def linearized(model: Model, time: AnyArray, configuration: Configuration) -> tuple[LinearizedJoints, ...]:
     """All joints, linearised, by group."""
 
     def of_group(joints: JointGroup) -> LinearizedJoints:
@@ -77,16 +77,13 @@ def linearized(model: Model, time: Any, configuration: Configuration) -> tuple[L
     return tuple(of_group(joints) for joints in model.joints)
 
 
-def constraints(model: Model, time: Any, configuration: Configuration) -> jax.Array:
+def constraints(model: Model, time: AnyArray, configuration: Configuration) -> jax.Array:
     """Constraint residuals `g(q, t)` of the active equations, (m,)."""
     parts = []
     for joints in model.joints:
         ends = markers(joints.first, configuration), markers(joints.second, configuration)
         values = _values(joints, time)
-        if values is None:
-            own = over(lambda a, b, of=joints.constraint: joint_equations(of, a, b, None), *ends)
-        else:
-            own = over(lambda v, a, b, of=joints.constraint: joint_equations(of, a, b, v), values, *ends)
+        own = over(lambda v, a, b, of=joints.constraint: joint_equations(of, a, b, v), values, *ends)
         parts.append((joints.rows, own))
     return _active(model, assembled_vector(model.n_equations, parts))
 
@@ -145,7 +142,7 @@ def tangent(
     motion: SystemMotion,
     joints: tuple[LinearizedJoints, ...],
     turns: jax.Array,
-    by_position: Any,
+    by_position: AnyArray,
 ) -> Iterator[MatrixBlock]:
     """Geometric stiffness of the joint forces, times `by_position`: blocks in the bodies' increments."""
     every = by_position * all_multipliers(model, motion.multipliers)

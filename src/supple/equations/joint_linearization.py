@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache, partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -33,6 +33,7 @@ from supple.equations.marker import (
     pose_at_rest,
     wrench_stiffness,
 )
+from supple.equations.places import AnyArray
 from supple.machine.pose import Pose
 from supple.programs.program_cache import CachedProgram
 
@@ -64,16 +65,18 @@ class JointLinearization(NamedTuple):
     """(m, 12) each: derivatives of the equations by local freedoms"""
 
 
-Constraint = Callable[[Pose, Pose, Any], jax.Array]
+Constraint = Callable[..., jax.Array]
 """The equations of a joint, from the poses of its ends and the value of its law."""
 
 
-def joint_equations(constraint: Constraint, first: Marker, second: Marker, value: Any) -> jax.Array:
+def joint_equations(
+    constraint: Constraint, first: Marker, second: Marker, value: AnyArray | None
+) -> jax.Array:
     """The joint's constraint equations, (m,)."""
     return constraint(pose_at_rest(first), pose_at_rest(second), value)
 
 
-def _affine(constraint: Constraint, value: Any) -> tuple[jax.Array, jax.Array]:
+def _affine(constraint: Constraint, value: AnyArray | None) -> tuple[jax.Array, jax.Array]:
     """`L` (m, 12) and `b` (m,) of the joint's equations."""
 
     def of_relative(relative: jax.Array) -> jax.Array:
@@ -85,11 +88,11 @@ def _affine(constraint: Constraint, value: Any) -> tuple[jax.Array, jax.Array]:
     return jax.jacfwd(of_relative)(origin), of_relative(origin)
 
 
-Affine = tuple[Any, Any]
+Affine = tuple[AnyArray, AnyArray]
 """`L` (m, 12), for `d` and for `Q` row by row, and `b` (m,)"""
 
 
-def affine_form(constraint: Constraint, value: Any) -> Affine:
+def affine_form(constraint: Constraint, value: AnyArray | None) -> Affine:
     """The affine form of a joint's equations.
 
     For a joint without a law (`value` is None), `L` and `b` are constants of the compiled program.
@@ -117,7 +120,7 @@ def axial(matrix: jax.Array) -> jax.Array:
     )
 
 
-def _seen(second: Marker, coefficients: Any) -> Marker:
+def _seen(second: Marker, coefficients: AnyArray) -> Marker:
     """The second marker, without a rotation that the joint ignores: the compiler then drops unused terms."""
     if isinstance(coefficients, np.ndarray) and not coefficients[:, 3:].any():
         return second._replace(rotation_vector=jnp.zeros(3))
@@ -155,7 +158,7 @@ Blocks = tuple[tuple[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]
 
 
 def geometric_stiffness(
-    coefficients: Any, at: JointLinearization, first: Marker, second: Marker, multipliers: jax.Array
+    coefficients: AnyArray, at: JointLinearization, first: Marker, second: Marker, multipliers: jax.Array
 ) -> Blocks:
     """Derivative of the joint's generalised forces by the local freedoms at constant multipliers.
 

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache, partial
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -26,7 +25,8 @@ import numpy as np
 from supple.body import place_in_frame
 from supple.equations.compiler_options import STARTING
 from supple.equations.joint_linearization import affine_form
-from supple.machine import GROUND, At, Joint, System
+from supple.integrate import FramedMotion, Motion
+from supple.machine import GROUND, At, Joint, System, TimeLaw
 from supple.programs.program_cache import CachedProgram
 from supple.value_content import fixed_function
 
@@ -38,7 +38,7 @@ _BLOCK = 2048
 
 
 def joint_wrenches(
-    system: System, times: np.ndarray, bodies: Mapping[str, Any], multipliers: Mapping[str, np.ndarray]
+    system: System, times: np.ndarray, bodies: Mapping[str, Motion], multipliers: Mapping[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     """Force and moment (t, 6) of each joint on its second end, at that end's point.
 
@@ -58,7 +58,7 @@ def joint_wrenches(
 
 
 def _wrench(
-    system: System, joint: Joint, times: np.ndarray, bodies: Mapping[str, Any], multipliers: np.ndarray
+    system: System, joint: Joint, times: np.ndarray, bodies: Mapping[str, Motion], multipliers: np.ndarray
 ) -> np.ndarray:
     weights = np.einsum("tm,tmk->tk", multipliers, _coefficients(joint, times))
     wrench = np.zeros((len(times), 6))
@@ -68,22 +68,16 @@ def _wrench(
         axes = (_axes(system, joint, end, bodies) for end in (joint.first, joint.second))
         turn = np.einsum("...ji,...jk->...ik", *axes)
         on_turn = by_turn @ np.swapaxes(turn, -1, -2)
-        wrench[:, 3:] = -np.stack(
-            [
-                on_turn[:, 2, 1] - on_turn[:, 1, 2],
-                on_turn[:, 0, 2] - on_turn[:, 2, 0],
-                on_turn[:, 1, 0] - on_turn[:, 0, 1],
-            ],
-            axis=-1,
-        )
+        later, next_ = [2, 0, 1], [1, 2, 0]
+        wrench[:, 3:] = on_turn[:, next_, later] - on_turn[:, later, next_]
     return wrench + 0.0  # no negative zeros
 
 
-def _axes(system: System, joint: Joint, end: At, bodies: Mapping[str, Any]) -> np.ndarray:
+def _axes(system: System, joint: Joint, end: At, bodies: Mapping[str, Motion]) -> np.ndarray:
     """Joint axes on an end over time, (t, 3, 3), or (1, 3, 3) for the ground."""
     if end == GROUND:
         return joint.initial_axes[None]
-    placed, motion = system.bodies[system.body_index(end.body)], bodies[end.body]
+    placed, motion = system.bodies[system.body_index(end.body)], bodies[end.body].of_type(FramedMotion)
     _, turn = place_in_frame(placed.body.interface(end.interface), motion.coordinates)
     return motion.rotation @ turn @ placed.assembly.rotation.T @ joint.initial_axes
 
@@ -93,16 +87,11 @@ def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:
     constraint = fixed_function(type(joint).constraint)
     law = joint.law
     if law is None:
-        return np.broadcast_to(_constant(constraint), (len(times), joint.n_constraints, 12))
+        coefficients, _ = affine_form(constraint, None)
+        return np.broadcast_to(coefficients, (len(times), joint.n_constraints, 12))
     padded = np.pad(times, (0, -len(times) % _BLOCK), mode="edge").reshape(-1, _BLOCK)
     blocks = (_program(constraint)(law, block) for block in padded)
     return np.concatenate([np.asarray(block) for block in blocks])[: len(times)]
-
-
-@lru_cache
-def _constant(constraint: Callable[..., jax.Array]) -> np.ndarray:
-    """`L` (m, 12) of a joint without a law, the same at all times."""
-    return np.asarray(affine_form(constraint, None)[0])
 
 
 @lru_cache
@@ -110,5 +99,5 @@ def _program(constraint: Callable[..., jax.Array]) -> CachedProgram:
     return CachedProgram(partial(_linearized, constraint), STARTING)
 
 
-def _linearized(constraint: Callable[..., jax.Array], law: Any, times: jax.Array) -> jax.Array:
+def _linearized(constraint: Callable[..., jax.Array], law: TimeLaw, times: jax.Array) -> jax.Array:
     return jax.vmap(lambda time: affine_form(constraint, jnp.asarray(law(time)))[0])(times)

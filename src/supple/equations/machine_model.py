@@ -7,18 +7,24 @@ Every class here is a JAX pytree. Velocities of all bodies form one vector. Per 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from supple.equations.floating_inertia import InertiaArrays
-from supple.equations.places import Places, over
+from supple.equations.places import AnyArray, Places, over
+from supple.machine import TimeLaw
 from supple.machine.laws.constant import Constant
+from supple.machine.pose import Wrench
+from supple.reduction.pair_blocks import PairBlocks
+
+if TYPE_CHECKING:
+    from supple.equations.nodal_load import PreparedLoad
 
 __all__ = [
     "Actuator",
@@ -46,22 +52,22 @@ class BodyGroup:
     velocities: Places = field(metadata=STATIC)
     """6 + r each"""
     coordinates: Places = field(metadata=STATIC)
-    gram: Any
+    gram: AnyArray
     """(k, 6 + 4r, 6 + 4r)"""
     inertia: InertiaArrays
     """The Gram matrix, rearranged for the equations of motion."""
-    stiffness: Any
+    stiffness: AnyArray
     """(k, r, r)"""
-    cubic: Any
+    cubic: AnyArray | None
     """(k, n2, r) with n2 = r (r + 1) / 2, or (1, n2, r) for equal bodies; None for linear bodies"""
-    quartic: Any
+    quartic: AnyArray | PairBlocks | None
     """(k, n2, n2), or (1, n2, n2) for equal bodies, or `PairBlocks` of these; None for linear bodies"""
-    damping: Any
+    damping: AnyArray
     """(k, r, r), undeformed"""
-    damping_cubic: Any
+    damping_cubic: AnyArray | None
     """As in `ReducedBody`, for deformed bodies; None without strain-rate damping."""
-    damping_quartic: Any
-    coordinate_scale: Any
+    damping_quartic: AnyArray | PairBlocks | None
+    coordinate_scale: AnyArray
     """(k,) size of a coordinate that moves the body by the system's length: `length sqrt(mass)`."""
 
     @property
@@ -69,7 +75,7 @@ class BodyGroup:
         """Number of deformation coordinates of each body."""
         return self.coordinates.size
 
-    def of(self, per_body: Any) -> Any:
+    def of(self, per_body: AnyArray) -> AnyArray:
         """The rows of an array (nb, ...) for the group, (k, ...)."""
         first, last = self.members[0], self.members[-1]
         if self.members == tuple(range(first, last + 1)):
@@ -87,13 +93,13 @@ class Ends:
     velocities: Places | None = field(metadata=STATIC)
     """6 + r each; None for the ground"""
     coordinates: Places | None = field(metadata=STATIC)
-    motion: Any
+    motion: AnyArray
     """(k, 6, r): displacement and rotation of the interface from the coordinates of its body"""
-    cubic_turn: Any
+    cubic_turn: AnyArray
     """(k,): `c` of the interface's rotation vector, `theta (1 + c theta.theta)`"""
-    offset: Any
+    offset: AnyArray
     """(k, 3)"""
-    axes: Any
+    axes: AnyArray
     """(k, 3, 3)"""
 
     @property
@@ -107,12 +113,12 @@ class Ends:
 class JointGroup:
     """k joints of one kind between bodies of the same sizes."""
 
-    constraint: Callable[..., Any] = field(metadata=STATIC)
+    constraint: Callable[..., jax.Array] = field(metadata=STATIC)
     rows: Places = field(metadata=STATIC)
     """Numbers of the constraint equations, with the redundant ones"""
     of_positions: tuple[bool, ...] = field(metadata=STATIC)
     """Whether each equation of a joint is a length; the others are angles"""
-    law: Any
+    law: TimeLaw | None
     """Law with a leading axis on all its numbers, or None"""
     first: Ends
     second: Ends
@@ -123,9 +129,9 @@ class JointGroup:
 class ForceGroup:
     """k forces of one kind between markers of bodies of the same sizes."""
 
-    wrenches: Callable[..., Any] = field(metadata=STATIC)
-    law: Any
-    parameters: tuple[Any, ...]
+    wrenches: Callable[..., tuple[Wrench, Wrench]] = field(metadata=STATIC)
+    law: TimeLaw | None
+    parameters: tuple[AnyArray, ...]
     first: Ends
     second: Ends
     reaction: Places | None = field(default=None, metadata=STATIC)
@@ -140,11 +146,11 @@ class NodalLoadArrays:
     body: int = field(metadata=STATIC)
     velocities: Places = field(metadata=STATIC)
     coordinates: Places = field(metadata=STATIC)
-    load: Any
+    load: PreparedLoad
     """`PreparedLoad`, which gives forces and their derivatives from the positions of the nodes"""
-    positions: Any
+    positions: AnyArray
     """(k, 3) rest positions"""
-    basis: Any
+    basis: AnyArray
     """(k, 3, r) displacements per coordinate"""
 
 
@@ -157,7 +163,7 @@ class Reader:
     of_joint: bool = field(metadata=STATIC)
     first: Ends
     second: Ends
-    near: Any
+    near: AnyArray
     """As in `JointReading`"""
 
 
@@ -179,12 +185,12 @@ class ControlLaw:
     """A controller."""
 
     name: str = field(metadata=STATIC)
-    outputs: Callable[..., Any] | None = field(metadata=STATIC)
+    outputs: Callable[..., Mapping[str, AnyArray]] | None = field(metadata=STATIC)
     """None for a sampled controller, whose outputs are held constant"""
-    rates: Callable[..., Any] | None = field(metadata=STATIC)
+    rates: Callable[..., AnyArray] | None = field(metadata=STATIC)
     readers: tuple[Reader, ...]
     actuators: tuple[Actuator, ...]
-    initial: Any
+    initial: AnyArray
     """(k,) states at the start"""
 
     @property
@@ -205,12 +211,12 @@ class Model:
     joints: tuple[JointGroup, ...]
     forces: tuple[ForceGroup, ...]
     nodal_loads: tuple[NodalLoadArrays, ...]
-    gravity: Any
-    base_accelerations: tuple[Any, ...]
+    gravity: AnyArray
+    base_accelerations: tuple[TimeLaw, ...]
     """Laws with values (3,)"""
-    length: Any
+    length: AnyArray
     """Size of the system, the scale of translations."""
-    mass: Any
+    mass: AnyArray
     """Mass of the system, the scale that balances multipliers against accelerations."""
     sizes: tuple[int, ...] = field(metadata=STATIC)
     """Number of coordinates of every body"""
@@ -245,7 +251,7 @@ class Model:
         """Length of the common velocity vector."""
         return sum(6 + r for r in self.sizes)
 
-    def as_lengths(self, residual: Any) -> Any:
+    def as_lengths(self, residual: AnyArray) -> AnyArray:
         """Residuals (m,) of the equations in use as lengths: in small machines, angles times the length.
 
         In a machine smaller than the unit of length, the rounding error of an angle exceeds that of a length.
@@ -274,11 +280,11 @@ class Model:
     def _without_loads(self, **others: Any) -> Model:
         return replace(self, forces=(), nodal_loads=(), base_accelerations=(), controllers=(), **others)
 
-    def gravity_at(self, time: Any) -> Any:
+    def gravity_at(self, time: AnyArray) -> AnyArray:
         """Gravity in the frame of an accelerated base, (3,)."""
         return self.gravity - sum(law(time) for law in self.base_accelerations)
 
-    def loads_at(self, time: Any) -> Model:
+    def loads_at(self, time: AnyArray) -> Model:
         """The model with the values of its loads at a time as constant laws, without tables of the loads."""
 
         def held(group: ForceGroup) -> ForceGroup:
@@ -297,6 +303,6 @@ class Model:
         )
 
 
-def _slices(sizes: Any) -> tuple[slice, ...]:
+def _slices(sizes: Sequence[int]) -> tuple[slice, ...]:
     ends = np.cumsum([0, *sizes])
     return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterator
 
 import jax
 import jax.numpy as jnp
 
-from supple.equations.configuration import SystemMotion
+from supple.equations.configuration import AnyArray, SystemMotion
 from supple.equations.ends import blocks_on_bodies, forces_on_bodies, markers
 from supple.equations.joint_force import all_multipliers
 from supple.equations.machine_model import ForceGroup, Model
@@ -22,13 +21,21 @@ from supple.equations.marker import (
 )
 from supple.equations.places import MatrixBlock, Places, over
 from supple.integrate import StepFactors
+from supple.machine import TimeLaw
+from supple.machine.pose import Wrench
 
 __all__ = ["force", "tangent"]
 
 
 def _on_local_freedoms(
-    wrenches: Any, law: Any, parameters: Any, reaction: Any, first: Marker, second: Marker, time: Any
-) -> Any:
+    wrenches: Callable[..., tuple[Wrench, Wrench]],
+    law: TimeLaw | None,
+    parameters: tuple[AnyArray, ...],
+    reaction: AnyArray | None,
+    first: Marker,
+    second: Marker,
+    time: AnyArray,
+) -> Callable[[jax.Array, jax.Array], jax.Array]:
     """Generalised forces (24,) of a force element as a function of displacements and rates (24,) each."""
 
     def of(variation: jax.Array, rates: jax.Array) -> jax.Array:
@@ -48,7 +55,7 @@ def _ends(forces: ForceGroup, motion: SystemMotion) -> tuple[Marker, Marker]:
     )
 
 
-def _reactions(model: Model, forces: ForceGroup, motion: SystemMotion) -> Any:
+def _reactions(model: Model, forces: ForceGroup, motion: SystemMotion) -> AnyArray | None:
     """Joint multipliers on which the forces depend, (k, 2); None for forces without such a dependence."""
     if forces.reaction is None:
         return None

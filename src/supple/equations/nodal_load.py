@@ -10,16 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.rotation import rotation_exp, skew
-from supple.equations.configuration import SystemMotion
+from supple.equations.configuration import AnyArray, SystemMotion
 from supple.equations.machine_model import STATIC, NodalLoadArrays
-from supple.machine import NodalLoad
+from supple.machine import NodalLoad, TimeLaw
 
 __all__ = [
     "PreparedLoad",
@@ -37,13 +36,13 @@ __all__ = [
 class PreparedLoad:
     """A nodal load as arrays."""
 
-    facet_forces: Callable[..., Any] = field(metadata=STATIC)
+    facet_forces: Callable[..., jax.Array] = field(metadata=STATIC)
     follows_nodes: bool = field(metadata=STATIC)
     turns_against_frame: bool = field(metadata=STATIC)
     value_rank: int = field(metadata=STATIC)
     """Number of axes of the law's value for one facet"""
-    law: Any
-    facets: Any
+    law: TimeLaw
+    facets: AnyArray
     """(e, m) nodes of every facet, as indices among the nodes of the load"""
 
 
@@ -59,7 +58,9 @@ def prepared(load: NodalLoad) -> PreparedLoad:
     )
 
 
-def _over_facets(load: PreparedLoad, function: Callable[..., Any], places: jax.Array, value: Any) -> Any:
+def _over_facets(
+    load: PreparedLoad, function: Callable[..., jax.Array], places: jax.Array, value: jax.Array
+) -> jax.Array:
     by_facet = 0 if value.ndim > load.value_rank else None
     own = places[:, None] if load.facets.shape[1] == 1 else places[load.facets]
     return jax.vmap(function, in_axes=(0, by_facet))(own, value)
@@ -72,14 +73,16 @@ def _on_nodes(load: PreparedLoad, values: jax.Array, k: int) -> jax.Array:
     return jnp.zeros((k, *values.shape[2:])).at[load.facets].add(values)
 
 
-def nodal_forces(load: PreparedLoad, places: jax.Array, rotation: jax.Array, time: Any) -> jax.Array:
+def nodal_forces(load: PreparedLoad, places: jax.Array, rotation: jax.Array, time: AnyArray) -> jax.Array:
     """Forces (k, 3) on the nodes at `places` (k, 3), both in body components."""
     value = jnp.asarray(load.law(time))
     forces = _over_facets(load, lambda x, v: load.facet_forces(x, rotation, v), places, value)
     return _on_nodes(load, forces, len(places))
 
 
-def forces_by_rotation(load: PreparedLoad, places: jax.Array, rotation: jax.Array, time: Any) -> jax.Array:
+def forces_by_rotation(
+    load: PreparedLoad, places: jax.Array, rotation: jax.Array, time: AnyArray
+) -> jax.Array:
     """Derivative of the forces by a small rotation `dpsi` of the frame, (k, 3, 3)."""
     if not load.turns_against_frame:
         return jnp.zeros((len(places), 3, 3))
@@ -92,7 +95,7 @@ def forces_by_rotation(load: PreparedLoad, places: jax.Array, rotation: jax.Arra
     return _on_nodes(load, _over_facets(load, by_turn, places, value), len(places))
 
 
-def forces_by_places(load: PreparedLoad, places: jax.Array, rotation: jax.Array, time: Any) -> jax.Array:
+def forces_by_places(load: PreparedLoad, places: jax.Array, rotation: jax.Array, time: AnyArray) -> jax.Array:
     """Derivative of the forces of every facet by the positions of its nodes, (e, m, 3, m, 3)."""
     value = jnp.asarray(load.law(time))
     change = jax.jacfwd(lambda x, v: load.facet_forces(x, rotation, v))

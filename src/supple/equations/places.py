@@ -9,13 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-__all__ = ["MatrixBlock", "Places", "assembled_matrix", "assembled_vector", "over"]
+__all__ = ["AnyArray", "MatrixBlock", "Places", "assembled_matrix", "assembled_vector", "over"]
+
+AnyArray = Any
+"""A NumPy or a JAX array: compiled and sparse methods use the same records for their states."""
+R = TypeVar("R")
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,7 @@ class Places:
         """Positions (k, size) of all entries."""
         return np.array(self.starts)[:, None] + np.arange(self.size)
 
-    def take(self, vector: Any) -> Any:
+    def take(self, vector: AnyArray) -> AnyArray:
         """The pieces of a vector (n, ...), as (k, size, ...)."""
         rest = vector.shape[1:]
         if self.adjacent:
@@ -58,7 +62,7 @@ class Places:
         return vector[self.index]
 
 
-def over(function: Callable[..., Any], *arguments: Any) -> Any:
+def over(function: Callable[..., R], *arguments: Any) -> R:
     """The function applied to every member of a group; arguments and result have a leading axis.
 
     A single member is computed without vectorisation, as if there were no groups. An array with a leading
@@ -70,7 +74,7 @@ def over(function: Callable[..., Any], *arguments: Any) -> Any:
     own = [leaf[0] if once else jnp.asarray(leaf) for leaf, once in zip(leaves, shared, strict=True)]
 
     # Mapped over leaves: a time law with axes in place of its numbers would fail its check.
-    def of_leaves(each: list[Any]) -> Any:
+    def of_leaves(each: list[AnyArray]) -> R:
         return function(*structure.unflatten(each))
 
     if all(shared):
@@ -78,12 +82,12 @@ def over(function: Callable[..., Any], *arguments: Any) -> Any:
     return jax.vmap(of_leaves, in_axes=([None if once else 0 for once in shared],))(own)
 
 
-def assembled_vector(n: int, parts: Iterable[tuple[Places, Any]]) -> jax.Array:
+def assembled_vector(n: int, parts: Iterable[tuple[Places, AnyArray]]) -> jax.Array:
     """The vector (n,) from contributions (k, size) at places, which may overlap."""
     parts = [(places, values) for places, values in parts if places.size]
     if parts and _is_partition(n, [places for places, _ in parts]):
         return jnp.concatenate([values.reshape(-1) for _, values in parts])
-    total: Any = jnp.zeros(n)
+    total = jnp.zeros(n)
     for places, values in parts:
         if places.adjacent and places.number * places.size == n:
             total = total + values.reshape(-1)
@@ -110,7 +114,7 @@ class MatrixBlock:
 
     rows: Places
     columns: Places
-    values: Any
+    values: AnyArray
 
 
 _WINDOWS = jax.lax.ScatterDimensionNumbers(
@@ -120,7 +124,7 @@ _WINDOWS = jax.lax.ScatterDimensionNumbers(
 
 def assembled_matrix(shape: tuple[int, int], blocks: Iterable[MatrixBlock]) -> jax.Array:
     """The matrix from contributions, which may overlap."""
-    total: Any = None
+    total: jax.Array | None = None
     for block in blocks:
         rows, columns, values = block.rows, block.columns, block.values
         if not (rows.size and columns.size):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar, cast
+from typing import Any, Protocol, TypeVar
 
 import jax
 import numpy as np
@@ -19,9 +19,18 @@ from supple.machine import SampledController, System
 from supple.machine.control.controller import as_memory
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["ControllerSampling", "march_sampled", "sampling_of"]
+__all__ = ["ControllerSampling", "joined_legs", "march_sampled", "sampling_of"]
 
-S = TypeVar("S")
+
+class _Timed(Protocol):
+    """The state of an engine."""
+
+    @property
+    def time(self) -> Any:
+        """Its time, s."""
+
+
+S = TypeVar("S", bound=_Timed)
 
 _SAME = 1e-6
 """Times that differ by less than this fraction of the period are equal: a call time so near to an output time
@@ -137,7 +146,7 @@ def march_sampled(
     march : function that integrates to output times without interruption
     after_calls : function that returns a state after the calls that are due
     """
-    now = float(cast(Any, state).time)
+    now = float(state.time)
     if times[-1] <= now:
         return march(state, times)
     legs: list[Leg[S]] = []
@@ -156,9 +165,13 @@ def march_sampled(
         state, now = leg.last, end
         if leg.stopped is not None:
             break
-    parts = [leg.states for leg in legs]
+    return joined_legs(legs)
+
+
+def joined_legs(legs: Sequence[Leg[S]]) -> Leg[S]:
+    """Legs, each from the end of the one before, as one."""
     return Leg(
-        states=jax.tree.map(lambda *own: np.concatenate(own), *parts),
+        states=jax.tree.map(lambda *own: np.concatenate(own), *(leg.states for leg in legs)),
         n_reached=sum(leg.n_reached for leg in legs),
         last=legs[-1].last,
         statistics=sum((leg.statistics for leg in legs), Statistics()),
@@ -166,8 +179,4 @@ def march_sampled(
     )
 
 
-def _readings(model: Model, motion: SystemMotion) -> Any:
-    return readings_at(model, motion)
-
-
-_read = CachedProgram(_readings, STARTING)
+_read = CachedProgram(readings_at, STARTING)

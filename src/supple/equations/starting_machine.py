@@ -1,8 +1,9 @@
-"""Protocol of a machine for its consistent start, and the joint terms at one state."""
+"""Protocol of a machine for its consistent start, and the joint terms and reactions at one state."""
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol, Self
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol, Self, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -13,10 +14,16 @@ from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import AnyArray, Configuration, advance
 from supple.equations.joint_force import constraints
 from supple.equations.machine_model import Model
+from supple.errors import ConvergenceError
 from supple.machine import System
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["JointTerms", "StartingMachine", "joint_terms"]
+__all__ = ["JointTerms", "StartingMachine", "converged_reactions", "joint_terms"]
+
+MOST, CONVERGED = 100, 1e-12
+"""Iterations, and the relative change of the joint forces at which they stop."""
+
+S = TypeVar("S", bound=tuple[Any, ...])
 
 
 class JointTerms(NamedTuple):
@@ -53,48 +60,60 @@ def joint_terms(model: Model, time: AnyArray, configuration: Configuration, velo
     return _TERMS(model.joints_alone, time, configuration, velocity)
 
 
+def converged_reactions(answered: Callable[[np.ndarray], S], found: S) -> S:
+    """Accelerations, multipliers and any further quantities, by fixed-point iteration.
+
+    answered : function that returns these quantities for friction at given multipliers (m,)
+    found : these quantities without friction
+
+    Raises ConvergenceError where friction and joint forces increase each other without limit.
+    """
+    for _ in range(MOST):
+        before, found = found[1], answered(found[1])
+        if not np.isfinite(found[1]).all():
+            break
+        # Largest entries instead of norms: squares of diverging values would overflow.
+        if np.max(abs(found[1] - before)) <= CONVERGED * np.max(abs(found[1])):
+            return found
+    raise ConvergenceError(
+        "friction and the forces in the joints do not converge: each raises the other, as "
+        "in a slide that jams. Lower the coefficient of friction, or the radius of the pin"
+    )
+
+
 class StartingMachine(Protocol):
     """A machine in the form of one method, for its start. Vectors (n,) are those of the method."""
 
     @property
     def system(self) -> System:
         """The machine itself."""
-        ...
 
     @property
     def model(self) -> Model:
         """The model for joints and forces."""
-        ...
 
     def restricted(self, active: tuple[int, ...]) -> Self:
         """The machine with the constraint equations `active` only."""
-        ...
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Constraints and derivatives as NumPy arrays; the Jacobian for velocities in `joint_slices`."""
-        ...
 
     def metric(self, configuration: Configuration) -> np.ndarray:
         """Positive definite matrix whose inverse defines the norm of rows of the Jacobian."""
-        ...
 
     @property
     def slices(self) -> tuple[slice, ...]:
         """Positions of each body's freedoms in the method's vectors, its frame's six first."""
-        ...
 
     @property
     def joint_slices(self) -> tuple[slice, ...]:
         """Positions of each body's velocities in the Jacobian's columns, its frame's six first."""
-        ...
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
         """Mass matrices of the bodies moving rigidly, for the velocities of their frames, (nb, 6, 6)."""
-        ...
 
     def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
         """Kinetic energies of the bodies, (nb,), at velocities (n,)."""
-        ...
 
     def least_change(
         self,
@@ -108,12 +127,9 @@ class StartingMachine(Protocol):
         The result is added to `velocity`; the sum satisfies further conditions of the method, such as those
         of frames. The `terms` are those of the joints in this configuration.
         """
-        ...
 
     def joint_masses(self, configuration: Configuration, terms: JointTerms) -> np.ndarray:
         """`(G M^-1 G^T)^-1` (m, m): the effective mass along the joints' equations."""
-        ...
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment (n,)."""
-        ...

@@ -149,68 +149,53 @@ class Equations(Protocol):
     @property
     def model(self) -> Model:
         """The model for joints and forces."""
-        ...
 
     @property
     def slices(self) -> tuple[slice, ...]:
         """Positions of the motions of each body in the linear equations."""
-        ...
 
     @property
     def is_discrete(self) -> bool:
         """Whether forces and inertia refer to different velocities, equal up to a discretisation error."""
-        ...
 
     def start(self) -> StaticState:
         """The state with bodies as placed and without joint forces."""
-        ...
 
     def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:
         """The residuals of equilibrium."""
-        ...
 
     def residual(self, state: StaticState, time: float) -> np.ndarray:
         """Unbalanced forces of all freedoms, (n,)."""
-        ...
 
     def correction(
         self, state: StaticState, time: float, unbalance: EquilibriumResidual, k: float
     ) -> StaticStep:
         """One implicit step of length k."""
-        ...
 
     def at_rest(self) -> Self:
         """The machine without its rotation."""
-        ...
 
     def eased(self, share: float, held: np.ndarray) -> Self:
         """The machine at a share of its angular velocity; the forces `held` (n,) are subtracted."""
-        ...
 
     def moved(self, configuration: Any, increment: np.ndarray) -> Any:
         """The configuration after an increment (n,)."""
-        ...
 
     def bodies_at(self, configuration: Any) -> Configuration:
         """Poses of the bodies, in their order."""
-        ...
 
     def linear_equations(self, state: StaticState, time: float) -> Any:
         """The equations of motion, linearised about a state."""
-        ...
 
     def constraint_rows(self, state: StaticState, time: float) -> np.ndarray:
         """Derivatives of the equations of joints, then of frames, by increments, (m, n)."""
-        ...
 
     def solution(self, state: StaticState, time: float, iterations: int) -> Solution:
         """The steady motion at one instant."""
-        ...
 
     @property
     def position_scale(self) -> np.ndarray:
         """Scale of a large change of each freedom, (n,)."""
-        ...
 
 
 def search_equilibrium(
@@ -252,8 +237,8 @@ def search_equilibrium(
         most = min(_OF_A_SHARE, search.max_iterations - iterations)
         residual = search.residual if asked == 1 else max(search.residual, _ON_THE_WAY)
         own = replace(search, residual=residual, max_iterations=most)
-        report = partial(_counted, progress, iterations)
         try:
+            report = partial(lambda before, i, left: progress(before + i, left), iterations)
             state, used = _downhill(eased, state, time, own, report, careful=True)
         except ConvergenceError:
             step, iterations = step / 2, iterations + most
@@ -269,10 +254,6 @@ def search_equilibrium(
         raise ConvergenceError(
             f"{direct}. Load and rotation, increased in steps, reached {share:.3g} of their values"
         ) from None
-
-
-def _counted(progress: Callable[[int, float], None], before: int, iteration: int, residual: float) -> None:
-    progress(before + iteration, residual)
 
 
 def _downhill(

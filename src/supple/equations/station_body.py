@@ -62,35 +62,28 @@ class StationBody(Protocol):
     @property
     def index(self) -> int:
         """Number of the body in the system."""
-        ...
 
     @property
     def n_stations(self) -> int:
         """Number of stations in use."""
-        ...
 
     def stations(self, state: BodyState) -> Stations:
         """Positions and motion of the stations."""
-        ...
 
     def forces(self, state: BodyState) -> StationBodyForces:
         """The forces in the equations of the body."""
-        ...
 
     def tangent(self, state: BodyState, station_forces: np.ndarray) -> tuple[np.ndarray, ...]:
         """Derivatives M, C, K (6 + r, 6 + r) of the body's equations by u', u and increments.
 
         station_forces : (6 s,)     f_s
         """
-        ...
 
     def motion(self, states: list[BodyState]) -> FramedMotion:
         """Motion of the body over some times."""
-        ...
 
     def station_motions(self, motion: Motion) -> Mapping[str, FloatingMotion]:
         """Motions of its stations over time, by their names as bodies."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -60,10 +60,6 @@ class SteadyRotation(NamedTuple):
     point: AnyArray
     """(3,), on the axis"""
 
-    def slowed(self, share: float) -> SteadyRotation:
-        """The rotation at a share of its rate."""
-        return self._replace(angular_velocities=share * np.asarray(self.angular_velocities))
-
     def by_body(self, names: Sequence[str]) -> dict[str, np.ndarray]:
         """Angular velocity (3,) of each body, by name, and that of the ground, zero."""
         rates = dict(zip(names, np.asarray(self.angular_velocities), strict=True))
@@ -91,7 +87,10 @@ class SteadyEquations:
 
     def eased(self, share: float, held: np.ndarray) -> Self:
         """The machine at a share of its angular velocity; the forces `held` (n,) are subtracted."""
-        return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
+        turning = self.turning
+        if turning is not None:
+            turning = turning._replace(angular_velocities=share * np.asarray(turning.angular_velocities))
+        return replace(self, turning=turning, held=held)
 
     @property
     def model(self) -> Model:

@@ -8,10 +8,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.equations.places import AnyArray
+
 __all__ = ["next_step", "position_rounding"]
 
 
-def position_rounding(length: Any, origins: Any) -> Any:
+def position_rounding(length: AnyArray, origins: AnyArray) -> AnyArray:
     """Rounding error of positions, relative to the system's `length`.
 
     Far from the global origin, positions have fewer significant digits for small changes.

@@ -14,7 +14,7 @@ from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import check_number, checked_arguments
 from supple.arrays import Array
 from supple.equations.checks.output_rate import report_output_rate
-from supple.equations.checks.step_length import report_step_length
+from supple.equations.checks.step_resolution import report_step_length
 from supple.equations.checks.validity import watch
 from supple.errors import ArgumentError, ConvergenceError, ModelError, did_you_mean
 from supple.integrate import Run, Solution

@@ -17,7 +17,7 @@ import numpy as np
 from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import check_instance, checked_arguments
 from supple.equations.checks.output_rate import report_output_rate
-from supple.equations.checks.step_length import report_step_length
+from supple.equations.checks.step_resolution import report_step_length
 from supple.equations.checks.validity import Peaks, watch
 from supple.equations.machine_model import Model
 from supple.equations.stops import Stops, laws_of, padded_stops, stepping_instants

@@ -8,11 +8,10 @@ from dataclasses import replace
 from typing import Any
 
 from supple.algebra.jax_settings import before_compiled_code
+from supple.equations.checks.joint_residuals import check_redundant_joints
 from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.rate_jumps import warn_of_rate_jumps
-from supple.equations.checks.redundant_joints import check_redundant_joints
-from supple.equations.checks.step_length import report_step_length
-from supple.equations.checks.step_resolution import warn_of_missed_loads
+from supple.equations.checks.step_resolution import report_step_length, warn_of_missed_loads
 from supple.equations.checks.validity import watch
 from supple.equations.stops import laws_of
 from supple.errors import ConvergenceError, ModelError, StepCutWarning

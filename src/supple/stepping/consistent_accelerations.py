@@ -11,10 +11,9 @@ import jax.numpy as jnp
 
 from supple.equations.compiled_machine import forces_without_acceleration
 from supple.equations.configuration import AnyArray, Configuration, ControlState, ControlStep
-from supple.equations.converged_reactions import CONVERGED, MOST
 from supple.equations.inertia import mass_matrix
 from supple.equations.machine_model import Model
-from supple.equations.starting_machine import joint_terms
+from supple.equations.starting_machine import CONVERGED, MOST, joint_terms
 from supple.methods.floating.compiled.state import State
 from supple.stepping.external_inputs import ExternalInputs
 from supple.stepping.marching import Tree

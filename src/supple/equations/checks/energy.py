@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import singledispatch
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import jax
@@ -13,9 +13,8 @@ import numpy as np
 from supple.body import BodyForm, FullBody, RigidBody
 from supple.equations.build_model import build_model
 from supple.equations.configuration import AnyArray
-from supple.equations.floating_inertia import FloatingState, frame_momenta, kinetic_energy
+from supple.equations.floating_inertia import frame_momenta, kinetic_energy, velocity_fields
 from supple.equations.full_inertia import FullInertia
-from supple.equations.machine_model import BodyGroup
 from supple.equations.polynomial_force import Quartic, polynomial_energy
 from supple.errors import ModelError
 from supple.integrate import FloatingMotion, Motion, Solution
@@ -68,15 +67,16 @@ def body_balances(body: BodyForm, _motion: Motion, _gravity: np.ndarray) -> Bala
 
 
 @body_balances.register(RigidBody | ReducedBody)
-def _(body: Any, motion: Motion, gravity: np.ndarray) -> Balances:
+def _(body: RigidBody | ReducedBody, motion: Motion, gravity: np.ndarray) -> Balances:
     """Energies and momenta of a rigid or reduced body, from its Gram matrix and tensors."""
     if body not in _ARRAYS:
         (group,) = build_model(System((Placed(body),))).groups
-        _ARRAYS[body] = jax.tree.map(lambda leaf: np.asarray(leaf)[0], _Arrays.of(group))
-    arrays = _ARRAYS[body]
+        arrays = _Arrays(group.gram, group.stiffness, group.cubic, group.quartic)
+        _ARRAYS[body] = jax.tree.map(lambda leaf: np.asarray(leaf)[0], arrays)
     own = motion.of_type(FloatingMotion)
-    moving = _Motion(*(np.asarray(getattr(own, name)) for name in _Motion._fields))
-    return Balances(*map(np.asarray, _of_reduced_body(arrays, gravity, moving)))
+    velocities = own.velocity, own.angular_velocity, own.coordinate_rates
+    places = own.position, own.rotation, own.coordinates
+    return Balances(*map(np.asarray, _of_reduced_body(_ARRAYS[body], gravity, places, velocities)))
 
 
 class _Arrays(NamedTuple):
@@ -87,53 +87,36 @@ class _Arrays(NamedTuple):
     cubic: jax.Array | None
     quartic: Quartic | None
 
-    @classmethod
-    def of(cls, group: BodyGroup) -> _Arrays:
-        """The arrays of a group of bodies."""
-        return cls(group.gram, group.stiffness, group.cubic, group.quartic)
 
-
-_ARRAYS: WeakKeyDictionary[Any, _Arrays] = WeakKeyDictionary()
+_ARRAYS: WeakKeyDictionary[BodyForm, _Arrays] = WeakKeyDictionary()
 """Cache per body in use: cases of a sweep share bodies, and evaluate energies thousands of times."""
 
 
-class _Motion(NamedTuple):
-    """The parts of a `FloatingMotion` that energies need, as a pytree."""
-
-    position: AnyArray
-    rotation: AnyArray
-    coordinates: AnyArray
-    velocity: AnyArray
-    angular_velocity: AnyArray
-    coordinate_rates: AnyArray
+_Three = tuple[jax.Array, jax.Array, jax.Array]
 
 
-def _over_time(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Balances:
-    """Energies and momenta of a rigid or reduced body."""
+def _over_time(body: _Arrays, gravity: jax.Array, places: _Three, velocities: _Three) -> Balances:
+    """Energies and momenta of a rigid or reduced body at t times.
 
-    def at_one_time(now: _Motion) -> Balances:
-        position, rotation, coordinates = now.position, now.rotation, now.coordinates
-        floating = FloatingState(
-            coordinates,
-            now.angular_velocity,
-            now.coordinate_rates,
-            jnp.zeros(3),
-            jnp.zeros(3),
-            jnp.zeros_like(coordinates),
-        )
-        local_velocity = rotation.T @ now.velocity
-        linear, angular = frame_momenta(body.gram, floating, local_velocity)
+    places : position (t, 3) and rotation of its frame, and its coordinates (t, r)
+    velocities : velocity and angular velocity (t, 3) of its frame, and the rates (t, r) of its coordinates
+    """
+
+    def at_one_time(places: _Three, velocities: _Three) -> Balances:
+        (position, rotation, coordinates), (velocity, spin, rates) = places, velocities
+        z = velocity_fields(coordinates, rotation.T @ velocity, spin, rates)
+        linear, angular = frame_momenta(body.gram, coordinates, z)
         mass = body.gram[0, 0]
         centre = _first_moment(body.gram, coordinates)
         return Balances(
-            kinetic=kinetic_energy(body.gram, floating, local_velocity),
+            kinetic=kinetic_energy(body.gram, z),
             strain=polynomial_energy(body.stiffness, body.cubic, body.quartic, coordinates),
             potential=-gravity @ (mass * position + rotation @ centre),
             momentum=rotation @ linear,
             angular_momentum=rotation @ angular + jnp.cross(position, rotation @ linear),
         )
 
-    return jax.vmap(at_one_time)(motion)
+    return jax.vmap(at_one_time)(places, velocities)
 
 
 _of_reduced_body = CachedProgram(_over_time)

@@ -1,4 +1,4 @@
-"""Residuals of the constraint equations g = 0 of a system over a run."""
+"""Residuals of the constraint equations g = 0 of a system over a run, and the check of redundant ones."""
 
 from __future__ import annotations
 
@@ -10,15 +10,20 @@ import jax
 import numpy as np
 
 from supple.body import RigidBody
-from supple.equations.build_model import build_model, seen_coordinates
+from supple.equations.build_model import build_model, row_scales, seen_coordinates
 from supple.equations.configuration import Configuration
 from supple.equations.joint_force import constraints
 from supple.equations.machine_model import Model
+from supple.errors import AccuracyError
 from supple.integrate import FloatingMotion, Motion, Solution
 from supple.machine import GROUND, At, Placed, System
 from supple.programs.program_cache import CachedProgram
 
 __all__ = ["joint_residuals"]
+
+OPEN = 1e-4
+"""Residual of an omitted equation, relative to the system's size or in rad, above which the equation counts
+as violated; the residuals of redundant equations are far smaller."""
 
 
 def _residuals_over_time(model: Model, times: jax.Array, configurations: Configuration) -> jax.Array:
@@ -44,6 +49,29 @@ def joint_residuals(system: System, solution: Solution) -> np.ndarray:
         ),
     )
     return np.asarray(_residuals(build_model(system), solution.times, configurations))
+
+
+def check_redundant_joints(system: System, leg: Solution) -> None:
+    """Raise AccuracyError for a joint that is violated because its equations were left out.
+
+    Such an equation depends on others at the start of the run, but not at a later time.
+
+    leg : a part of the run
+    """
+    n_equations = system.n_constraints
+    kept = leg.engine_state.get("active")
+    if kept is None or len(kept) == n_equations:
+        return
+    residuals = np.abs(joint_residuals(system, leg)) / row_scales(system)
+    residuals[:, kept.astype(int)] = 0.0
+    row, worst = np.unravel_index(np.argmax(residuals), residuals.shape)
+    if residuals[row, worst] > OPEN:
+        labels = [f"'{joint.name}' ({what})" for joint in system.joints for what in joint.rows]
+        raise AccuracyError(
+            f"{labels[worst]} was left out at the start as redundant, and is off by "
+            f"{residuals[row, worst]:.3g} of the machine's size, or rad, at t = {leg.times[row]:.6g}: the "
+            "machine has left the position in which its joints are redundant. Start beside that position"
+        )
 
 
 class _Pose(NamedTuple):

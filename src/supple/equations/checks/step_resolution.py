@@ -1,4 +1,4 @@
-"""Check that fixed steps resolve the loads and prescribed motions, before the run.
+"""Checks that fixed steps resolve loads and prescribed motions, before a run, and the motion, after it.
 
 A step evaluates a load at its two ends. The error of the linear interpolation between steps is found by
 evaluating the load also within the steps: at uneven times, and at the instants of the law (given, or found by
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -19,12 +18,19 @@ import numpy as np
 
 from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ResolutionWarning
-from supple.integrate import FixedStep, Run
+from supple.integrate import FixedStep, Kinematic, Run, Statistics
 from supple.machine import Constant, System, TimeLaw
 from supple.machine.laws.instants import instants_of_law, shortest_scale_of, uneven_times
 from supple.machine.laws.sampled_law import MOST_NUMBERS, law_samples
 
-__all__ = ["UnresolvedShare", "fixed_step", "jumps_in_steps", "missed_between_steps", "warn_of_missed_loads"]
+__all__ = [
+    "UnresolvedShare",
+    "fixed_step",
+    "jumps_in_steps",
+    "missed_between_steps",
+    "report_step_length",
+    "warn_of_missed_loads",
+]
 
 MISSED = 0.2
 """Largest error within a step without a warning, relative to the largest load; a sine of five steps a period
@@ -35,6 +41,10 @@ WITHIN = np.array([0.5, 0.07, 0.21, 0.37, 0.62, 0.78, 0.91])
 """Sampling points within a step; uneven, because a periodic load may vanish at evenly spaced points."""
 BESIDE, JUMPS = 0.1, 0.3
 """A change of JUMPS times the largest load within BESIDE steps before and after an instant is a jump."""
+LARGEST_ERROR = 1e-2
+"""Largest local error of a step without a warning, as defined for `AdaptiveStep`."""
+LARGEST_TURN = 0.5
+"""rad, largest rotation of a body within a step without a warning."""
 NEAR = 1e-6
 """Distance of the samples before and after an instant, relative to the step."""
 
@@ -133,7 +143,7 @@ def warn_of_missed_loads(system: System, run: Run, *, besides: Collection[str] =
         _warn(load.label, load.law, run, of_motion=False)
 
 
-def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
+def _warn(what: str, law: TimeLaw | None, run: Run, *, of_motion: bool) -> None:
     if law is None or isinstance(law, Constant):
         return
     step, begin, end = fixed_step(run), float(run.times[0]), float(run.times[-1])
@@ -155,8 +165,32 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
         warn_or_raise(message, ResolutionWarning, run.validity)
 
 
-def _hardly_accelerated(law: Any, begin: float, end: float, step: float) -> bool:
+def _hardly_accelerated(law: TimeLaw, begin: float, end: float, step: float) -> bool:
     """Whether the change of a motion's speed within a step is at most rounding."""
     times = uneven_times(begin, end, 257)
     _, fastest, hardest = (np.abs(each).max() for each in law_samples(law, times, order=2))
     return bool(hardest * step <= 1e-9 * fastest)
+
+
+def report_step_length(statistics: Statistics, run: Run) -> None:
+    """Warn (ResolutionWarning) of a fixed step with a large local error, or a large rotation of a body.
+
+    Raises ValidityError instead in a strict run.
+    """
+    step = run.step_control
+    if not isinstance(step, FixedStep):
+        return
+    found, shorter = [], 1.0
+    if statistics.largest_error > LARGEST_ERROR:
+        found.append(f"its local error reaches {statistics.largest_error:.2g} of the machine's size, or rad")
+        shorter = (LARGEST_ERROR / statistics.largest_error) ** (1 / 3)  # the local error is of third order
+    if statistics.largest_turn > LARGEST_TURN:
+        found.append(f"a body rotates by {statistics.largest_turn:.2g} rad within it")
+        shorter = min(shorter, LARGEST_TURN / statistics.largest_turn)
+    if found:
+        instead = "" if isinstance(run.method, Kinematic) else ", or adaptive steps"
+        message = (
+            f"the fixed step of {step.size:.3g} is too long for this motion: {' and '.join(found)}. Take "
+            f"{step.size * shorter:.1g} or less{instead}"
+        )
+        warn_or_raise(message, ResolutionWarning, run.validity)

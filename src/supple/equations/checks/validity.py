@@ -14,7 +14,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -27,7 +27,7 @@ from supple.integrate import FramedMotion, Solution, Validity
 from supple.machine import At, ForceElement
 from supple.machine.system import System
 
-__all__ = ["ExceededLimit", "Peaks", "ValidityMonitor", "is_rotor", "watch"]
+__all__ = ["Peaks", "ValidityMonitor", "is_rotor", "watch"]
 
 SOFTENED_LIMIT = 0.01
 """Estimated relative error of a deflection due to averaging interfaces, from which a warning is given."""
@@ -69,35 +69,30 @@ class Peaks(NamedTuple):
         return Peaks(*spin, *rotation, *softened)
 
 
-class ExceededLimit(NamedTuple):
-    """One exceeded limit; the message contains body, value, limit, consequence and remedy."""
-
-    body: str
-    message: str
-
-
 @dataclass(frozen=True, eq=False)
 class _Limits:
     """Limits of one flexible body."""
 
-    name: str
+    body: BodyForm
     spin: float
     flying_apart: float
     """Angular velocity at which the missing stiffness equals the elastic one"""
     axes: np.ndarray
     """(3,) weights of the angular velocity about each axis of the body"""
-    is_linear: bool
-    kind: str
     rotation: float
-    frame: Frame | None
     is_tied: bool
     """Whether only the rotations of rigid interfaces are limited, as in solids"""
     rotation_basis: np.ndarray | csc_array | None
     """(3 P, n) rotation vectors from coordinates, of these interfaces or of all points"""
-    averaging: Any
+    averaging: np.ndarray | None
     """(3 k, n) mean rotations of the k averaging interfaces from coordinates, or None"""
     softness: np.ndarray
     """(3 k,) softness c / C of these interfaces about each axis"""
+
+    @property
+    def frame(self) -> Frame | None:
+        """Frame of the body; None for a form without a chosen frame."""
+        return getattr(self.body, "frame", None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,9 +105,9 @@ class ValidityMonitor:
     def peaks(self, chunk: Solution) -> dict[str, Peaks]:
         """Peaks of every flexible body in a part of a run."""
         return {
-            own.name: _peaks(own, chunk.times, motion).merged(_softened(own, chunk.times, motion))
+            own.body.name: _peaks(own, chunk.times, motion).merged(_softened(own, chunk.times, motion))
             for own in self.limits
-            for motion in (chunk.motion(own.name, FramedMotion),)
+            for motion in (chunk.motion(own.body.name, FramedMotion),)
         }
 
     def observe(self, so_far: Mapping[str, Peaks], chunk: Solution) -> dict[str, Peaks]:
@@ -120,68 +115,68 @@ class ValidityMonitor:
         new = self.peaks(chunk)
         merged = {name: so_far.get(name, Peaks()).merged(peak) for name, peak in new.items()}
         if self.validity.strict:
-            for excess in self.excesses(merged):
-                raise ValidityError(excess.message)
+            for message in self.excesses(merged):
+                raise ValidityError(message)
         return merged
 
-    def excesses(self, peaks: Mapping[str, Peaks]) -> list[ExceededLimit]:
-        """Every exceeded limit."""
+    def excesses(self, peaks: Mapping[str, Peaks]) -> list[str]:
+        """A message for every exceeded limit: body, value, limit, consequence and remedy."""
         found = []
         for own in self.limits:
-            peak = peaks.get(own.name, Peaks())
+            peak = peaks.get(own.body.name, Peaks())
             if peak.spin > own.spin:
-                found.append(ExceededLimit(own.name, _too_fast(own, peak)))
+                found.append(_too_fast(own, peak))
             if peak.rotation > own.rotation:
-                found.append(ExceededLimit(own.name, _too_wide(own, peak)))
+                found.append(_too_wide(own, peak))
             if peak.softened > SOFTENED_LIMIT:
-                found.append(ExceededLimit(own.name, _out_of_shape(own, peak)))
+                found.append(_out_of_shape(own, peak))
         return found
 
     def report(self, peaks: Mapping[str, Peaks]) -> None:
         """Warn of every exceeded limit."""
-        for excess in self.excesses(peaks):
-            warnings.warn(excess.message, ValidityWarning, stacklevel=3)
+        for message in self.excesses(peaks):
+            warnings.warn(message, ValidityWarning, stacklevel=3)
 
 
-def _too_fast(limits: _Limits, peak: Peaks) -> str:
+def _too_fast(own: _Limits, peak: Peaks) -> str:
     spins = f"rotates at {peak.spin:.4g} rad per unit of time (t = {peak.spin_time:.4g})"
-    if limits.is_linear:
+    if own.body.is_linear:
         return (
-            f"body '{limits.name}' is linear and {spins}, {peak.spin / limits.flying_apart:.2f} times its "
-            f"lowest frequency {limits.flying_apart:.4g}: without geometric stiffness its deflections "
+            f"body '{own.body.name}' is linear and {spins}, {peak.spin / own.flying_apart:.2f} times its "
+            f"lowest frequency {own.flying_apart:.4g}: without geometric stiffness its deflections "
             "are too large or diverge. "
             + _STIFFER.get(
-                limits.kind, "Reduce it with modal derivatives, from a model with quadratic strains"
+                own.body.kind, "Reduce it with modal derivatives, from a model with quadratic strains"
             )
         )
-    missing = 100 * (peak.spin / limits.flying_apart) ** 2
+    missing = 100 * (peak.spin / own.flying_apart) ** 2
     return (
-        f"body '{limits.name}' {spins}, and its basis lacks the motion by which centrifugal force stiffens "
+        f"body '{own.body.name}' {spins}, and its basis lacks the motion by which centrifugal force stiffens "
         f"it: up to {missing:.3g} % of the stiffness are missing, and deflections are too large or diverge. "
         "Wrap the basis in "
         "SteadyLoads(...) (steady = true in a case file), or add derivatives"
-        + ("" if isinstance(limits.frame, MeanAxisFrame) else ", or use MeanAxisFrame() with Rubin(...)")
+        + ("" if isinstance(own.frame, MeanAxisFrame) else ", or use MeanAxisFrame() with Rubin(...)")
     )
 
 
-def _too_wide(limits: _Limits, peak: Peaks) -> str:
+def _too_wide(own: _Limits, peak: Peaks) -> str:
     turns = f"rotates by {peak.rotation:.3f} rad relative to its frame (t = {peak.rotation_time:.4g})"
-    limit = f"its kinematics hold to about {limits.rotation:.2f} rad"
-    remedy = _TURNS_LESS.get(limits.kind) or smaller_rotations(limits.frame)
-    if limits.is_linear and limits.kind not in _TURNS_LESS:
+    limit = f"its kinematics hold to about {own.rotation:.2f} rad"
+    remedy = _TURNS_LESS.get(own.body.kind) or smaller_rotations(own.frame)
+    if own.body.is_linear and own.body.kind not in _TURNS_LESS:
         return (
-            f"body '{limits.name}' is linear and {turns}; {limit}, as they lack the shortening by bending, "
+            f"body '{own.body.name}' is linear and {turns}; {limit}, as they lack the shortening by bending, "
             f"{peak.rotation**2 / 2:.2g} of its length. Reduce it from a model with quadratic strains, or "
             f"{remedy}"
         )
-    of = "a rigid interface of " if limits.is_tied else ""
-    remedy = f"take an averaging interface, {remedy}" if limits.is_tied else remedy
-    return f"{of}body '{limits.name}' {turns}; {limit}. {remedy[:1].upper()}{remedy[1:]}"
+    of = "a rigid interface of " if own.is_tied else ""
+    remedy = f"take an averaging interface, {remedy}" if own.is_tied else remedy
+    return f"{of}body '{own.body.name}' {turns}; {limit}. {remedy[:1].upper()}{remedy[1:]}"
 
 
-def _out_of_shape(limits: _Limits, peak: Peaks) -> str:
+def _out_of_shape(own: _Limits, peak: Peaks) -> str:
     return (
-        f"body '{limits.name}': a soft section has rotated with its averaging interface relative to the "
+        f"body '{own.body.name}': a soft section has rotated with its averaging interface relative to the "
         f"frame (t = {peak.softened_time:.4g}), and deflections are off by some {100 * peak.softened:.2g} %. "
         "Use a rigid interface, fix the frame to this one, or close the section by a bulkhead"
     )
@@ -207,7 +202,7 @@ def _softened(limits: _Limits, times: np.ndarray, motion: FramedMotion) -> Peaks
     return Peaks(softened=float(DEFLECTION_ERROR * shares[worst]), softened_time=float(times[worst]))
 
 
-def _averaging(body: BodyForm, carrying: set[At]) -> tuple[Any, np.ndarray]:
+def _averaging(body: BodyForm, carrying: set[At]) -> tuple[np.ndarray | None, np.ndarray]:
     """Mean rotations (3 k, n) of averaging interfaces under moments, and c / C of their sections, (3 k,)."""
     held = [i for i in body.interfaces if At(body.name, i.name) in carrying]
     found = [(i.motion[3:], body.section_softness(i.name)) for i in held]
@@ -248,14 +243,11 @@ def _limits(body: BodyForm, validity: Validity, carrying: set[At]) -> _Limits:
         rows = np.vstack([each if isinstance(each, np.ndarray) else each.toarray() for each in tied])
     averaging, softness = _averaging(body, carrying)
     return _Limits(
-        name=body.name,
+        body,
         spin=validity.spin_ratio * flying_apart,
         flying_apart=flying_apart,
         axes=axes,
-        is_linear=body.is_linear,
-        kind=body.kind,
         rotation=min(limit, LINEAR_ROTATION_LIMIT) if body.is_linear else limit,
-        frame=getattr(body, "frame", None),
         is_tied=is_tied,
         rotation_basis=rows,
         averaging=averaging,

@@ -33,11 +33,10 @@ from supple.equations.build_model import is_on_full_nodes, station_model
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion
 from supple.equations.control_start import control_after, fresh_control
-from supple.equations.converged_reactions import converged_reactions
 from supple.equations.inertia import mass_matrix
 from supple.equations.joint_force import constraint_rows
 from supple.equations.machine_model import Model
-from supple.equations.starting_machine import JointTerms, joint_terms
+from supple.equations.starting_machine import JointTerms, converged_reactions, joint_terms
 from supple.equations.station_body import BodyState, MachineWithStations, Stations
 from supple.equations.step_size import position_rounding
 from supple.errors import ModelError

@@ -15,9 +15,8 @@ import numpy as np
 from supple.equations.checks.start_report import report_start
 from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start
-from supple.equations.converged_reactions import converged_reactions
 from supple.equations.floating_solution import last_instant
-from supple.equations.starting_machine import JointTerms
+from supple.equations.starting_machine import JointTerms, converged_reactions
 from supple.equations.station_body import MachineWithStations
 from supple.equations.step_size import position_rounding
 from supple.errors import ConvergenceError, ModelError
