@@ -5,7 +5,7 @@ from __future__ import annotations
 from supple.integrate import ErrorPart, Solution
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
-from supple.methods.intrinsic.report_truncation import truncation_parts
+from supple.methods.intrinsic.truncation_error import truncation_parts
 
 __all__ = ["line_parts"]
 

@@ -22,8 +22,8 @@ from supple.methods.intrinsic import IntrinsicEngine
 from supple.methods.intrinsic.line_march import LineMarchState, Stepping
 from supple.methods.intrinsic.line_system import LineSystem
 from supple.methods.intrinsic.march_of_cases import march_of_cases
-from supple.methods.intrinsic.report_truncation import report_truncation_of_cases
 from supple.methods.intrinsic.supported_root import is_joined
+from supple.methods.intrinsic.truncation_error import report_truncation_of_cases
 from supple.simulation.batch_in_turn import batch_in_turn, require_memory_of_chunk
 from supple.simulation.batch_solution import BatchSolution
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from supple.errors import ResultFileError
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
-from supple.methods.intrinsic.report_truncation import truncation_parts
+from supple.methods.intrinsic.truncation_error import truncation_parts
 from supple.simulation.description import inputs_of
 from supple.simulation.interruption import noted_interruption
 from supple.simulation.recorded_columns import check_columns, columns_of

@@ -22,7 +22,7 @@ from supple.machine.laws.time_law import begins_after, ends_before
 from supple.methods.explicit.deleted_faces import deletion_watch
 from supple.methods.explicit.shell_strain import shell_strain_watch
 from supple.methods.explicit.yielding import yield_watch
-from supple.methods.intrinsic.report_truncation import report_truncation
+from supple.methods.intrinsic.truncation_error import report_truncation
 from supple.simulation.engines import engine_for, is_explicit
 from supple.simulation.half_revolutions import report_half_revolutions
 from supple.simulation.recorded_columns import measured_columns

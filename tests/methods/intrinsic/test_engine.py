@@ -47,9 +47,9 @@ from supple.methods.intrinsic import (
     sliding,
 )
 from supple.methods.intrinsic.expansion import expansion_of_stations
-from supple.methods.intrinsic.machine_loads import machine_loads
 from supple.methods.intrinsic.machine_of_lines import machine_of_lines
 from supple.methods.intrinsic.stable_step import with_chosen_step
+from supple.methods.intrinsic.station_loads import machine_loads
 from supple.simulation import equilibrium, simulate
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}

@@ -12,8 +12,7 @@ from supple.integrate import GeneralizedAlpha
 from supple.machine import Constant, DeadForce, Fixed, System
 from supple.methods.intrinsic import CLAMPED, FREE, intrinsic_body
 from supple.methods.intrinsic.line_march import Stepping, first_march_state, march_lines
-from supple.methods.intrinsic.line_slope import system_slope
-from supple.methods.intrinsic.line_system import LineSystem, places_of, system_rates
+from supple.methods.intrinsic.line_system import LineSystem, places_of, system_rates, system_slope
 from supple.methods.intrinsic.machine_of_lines import machine_of_lines
 from supple.methods.intrinsic.station_loads import Follower
 

@@ -21,7 +21,7 @@ from supple.machine import (
     TorqueBetween,
 )
 from supple.methods.intrinsic import CLAMPED, enough_modes, intrinsic_body, released, truncation_error
-from supple.methods.intrinsic.report_truncation import report_truncation
+from supple.methods.intrinsic.truncation_error import report_truncation
 from supple.simulation import equilibrium, simulate
 
 HINGE = Revolute(first="ground", second="beam.root", axis=(0, 1, 0), name="hinge")

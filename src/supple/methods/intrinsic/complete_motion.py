@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -16,6 +16,7 @@ from supple.algebra.rotation import euler_parameters
 from supple.equations.build_model import seen_coordinates
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration
+from supple.equations.places import AnyArray
 from supple.integrate import FloatingMotion, Motion, Solution
 from supple.machine import Placed, System
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
@@ -24,8 +25,7 @@ from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.joined_equations import JoinedInstant, coupled_forces, coupled_wrenches
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine, with_stations
 from supple.methods.intrinsic.line_model import LineState
-from supple.methods.intrinsic.line_slope import system_slope
-from supple.methods.intrinsic.line_system import LineSystem, RootDrive, States, system_rates
+from supple.methods.intrinsic.line_system import LineSystem, RootDrive, States, system_rates, system_slope
 from supple.methods.intrinsic.machine_of_lines import line_motion, machine_of_lines
 from supple.methods.intrinsic.released import released
 from supple.methods.intrinsic.supported_root import is_joined
@@ -53,6 +53,10 @@ class CompleteMotion(NamedTuple):
     solution: Solution
     shown: Solution
     found: NDArray[np.bool_]
+
+
+Maps = tuple[tuple[Array, Array], ...]
+"""`_maps` of each line."""
 
 
 class _Lines(NamedTuple):
@@ -129,15 +133,16 @@ def joined_instants(
     machine: JoinedMachine, solution: Solution, times: jax.Array, states: States
 ) -> tuple[JoinedInstant, Array]:
     """Instants of a run (leading axis: time), and the multipliers (t, m) of all joint equations."""
-    others = [placed for placed in machine.system.bodies if placed not in machine.lines]
-    motions = [solution.motion(placed.body.name, FloatingMotion) for placed in others]
+    motions = [solution.motion(placed.body.name, FloatingMotion) for placed in machine.others]
     n = len(times)
 
     def together(parts: Sequence[Array], *shape: int) -> Array:
         return np.concatenate([np.zeros((n, *shape)), *parts], axis=1)
 
     def seen(values: Sequence[Array]) -> list[Array]:
-        return [seen_coordinates(placed.body, own) for placed, own in zip(others, values, strict=True)]
+        return [
+            seen_coordinates(placed.body, own) for placed, own in zip(machine.others, values, strict=True)
+        ]
 
     floating = Configuration(
         together([motion.position[:, None] for motion in motions], 0, 3),
@@ -198,7 +203,7 @@ def with_modes(placed: Placed, number: int | None) -> Placed:
     )
 
 
-def _rates(lines: _Lines, time: Any, states: States, wrenches: jax.Array | None) -> States:
+def _rates(lines: _Lines, time: AnyArray, states: States, wrenches: jax.Array | None) -> States:
     rates = system_rates(lines.system, time, states)
     if lines.joined is None or wrenches is None:
         return rates
@@ -207,7 +212,7 @@ def _rates(lines: _Lines, time: Any, states: States, wrenches: jax.Array | None)
 
 
 def _followed(
-    kept: _Lines, whole: _Lines, maps: Any, times: jax.Array, states: States, wrenches: jax.Array | None
+    kept: _Lines, whole: _Lines, maps: Maps, times: jax.Array, states: States, wrenches: jax.Array | None
 ) -> tuple[States, States, jax.Array]:
     """The run in all modes, the complete motion, and its relative residual, at each instant."""
 
@@ -227,7 +232,7 @@ def _followed(
     )
     free = np.flatnonzero(elastic)
 
-    def at(instant: tuple[jax.Array, States, Any]) -> tuple[States, States, jax.Array]:
+    def at(instant: tuple[jax.Array, States, jax.Array | None]) -> tuple[States, States, jax.Array]:
         time, now, wrench = instant
         flat, unravel = ravel_pytree(brought(now))
         target = ravel_pytree(brought(_rates(kept, time, now, wrench)))[0][free]
@@ -238,7 +243,7 @@ def _followed(
         def slope(y: jax.Array) -> jax.Array:
             of_lines = system_slope(whole.system, time, unravel(y))
             joined = whole.joined
-            if joined is not None:
+            if joined is not None and wrench is not None:
                 still = jax.tree.map(jnp.zeros_like, unravel(y))
 
                 def pushed(y: jax.Array) -> jax.Array:
@@ -259,11 +264,11 @@ def _followed(
             )
             return jnp.linalg.norm(left) / (jnp.linalg.norm(frequencies * y) + 1e-300)
 
-        def goes_on(carry: Any) -> jax.Array:
+        def goes_on(carry: tuple[jax.Array, ...]) -> jax.Array:
             _, _, error, count = carry
             return (count < MOST_ITERATIONS) & ((count == 0) | (error > TOLERANCE))
 
-        def improve(carry: Any) -> Any:
+        def improve(carry: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
             y, left, _, count = carry
             y = y.at[free].add(-jnp.linalg.solve(slope(y), left))
             left = missing(y)

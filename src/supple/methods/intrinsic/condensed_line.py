@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +17,7 @@ from supple.methods.intrinsic.load_path_tree import LoadPathTree, load_path_tree
 __all__ = ["CondensedLine", "clamped_line", "condensed_line"]
 
 Array = NDArray[np.float64]
+Matrix = ArrayLike | sparse.sparray | sparse.spmatrix
 
 LARGEST_RIGID_FORCE = 1e-6
 """Largest entry of K R relative to that of |K| |R|, for rigid motions R; a larger one is an error."""
@@ -86,7 +86,7 @@ def rigid_twists(tree: LoadPathTree) -> Array:
 
 
 def condensed_line(
-    name: str, points: ArrayLike, stiffness: Any, mass: Any, *, parents: ArrayLike | None = None
+    name: str, points: ArrayLike, stiffness: Matrix, mass: Matrix, *, parents: ArrayLike | None = None
 ) -> CondensedLine:
     """Free line from the matrices of a condensation by Nastran (ASET) or any other program.
 
@@ -131,8 +131,8 @@ def condensed_line(
 def clamped_line(
     name: str,
     points: ArrayLike,
-    stiffness: Any,
-    mass: Any,
+    stiffness: Matrix,
+    mass: Matrix,
     *,
     parents: ArrayLike | None = None,
     root_mass: ArrayLike | None = None,
@@ -202,8 +202,8 @@ def _rigid_force(K: Array, R: Array, tree: LoadPathTree) -> float:
     return float(np.abs(K @ R * scale[:, None]).max(initial=0.0) / largest) if largest else 0.0
 
 
-def _symmetric(name: str, what: str, given: Any, size: int) -> Array:
-    matrix = given.toarray() if sparse.issparse(given) else given
+def _symmetric(name: str, what: str, given: Matrix, size: int) -> Array:
+    matrix = sparse.csr_array(given).toarray() if sparse.issparse(given) else given
     check_numbers(f"line '{name}', {what}", matrix)
     matrix = np.array(matrix, dtype=np.float64)
     if matrix.shape != (size, size):

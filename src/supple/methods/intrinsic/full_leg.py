@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import jax
 import numpy as np
@@ -23,7 +23,7 @@ def full_leg(history: T, length: int) -> T:
     return jax.tree.map(filled, history)
 
 
-def n_good(history: Any, converged: np.ndarray) -> int:
+def n_good(history: object, converged: np.ndarray) -> int:
     """Number of instants (t,) of a tree of histories before the first not finite, or not converged."""
     sizes = [np.abs(leaf).reshape(len(leaf), -1).sum(axis=1) for leaf in jax.tree.leaves(history)]
     return int(np.argmin(np.append(np.isfinite(np.sum(sizes, axis=0)) & converged, False)))

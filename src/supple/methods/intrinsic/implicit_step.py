@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+
+from supple.equations.places import AnyArray
 
 __all__ = ["StepResult", "Tangent", "first_order_coefficients", "first_tangent", "implicit_step"]
 
@@ -21,9 +23,9 @@ SAME_STEP = 1e-6
 class FirstOrderCoefficients(NamedTuple):
     """Weights of rates and states in the rule."""
 
-    alpha_m: Any
-    alpha_f: Any
-    gamma: Any
+    alpha_m: AnyArray
+    alpha_f: AnyArray
+    gamma: AnyArray
 
 
 def first_order_coefficients(rho_inf: float) -> FirstOrderCoefficients:
@@ -45,9 +47,14 @@ class Tangent(NamedTuple):
     rounding : norm of the terms of the rates relative to that of the states, the scale of rounding errors
     """
 
-    inverse: Any
-    step: Any
-    rounding: Any
+    inverse: AnyArray
+    step: AnyArray
+    rounding: AnyArray
+
+
+_Carry = tuple[jax.Array, jax.Array, jax.Array, jax.Array, jax.Array, jax.Array, Tangent]
+"""Rates at the end, residual, relative residual, whether it decreases slowly, whether the tangent is of this
+step, number of iterations, tangent."""
 
 
 class StepResult(NamedTuple):
@@ -66,16 +73,16 @@ def first_tangent(n: int) -> Tangent:
 
 
 def implicit_step(
-    rates: Callable[[Any, jax.Array], jax.Array],
-    slope: Callable[[Any, jax.Array], jax.Array],
+    rates: Callable[[AnyArray, jax.Array], jax.Array],
+    slope: Callable[[AnyArray, jax.Array], jax.Array],
     coefficients: FirstOrderCoefficients,
-    time: Any,
+    time: AnyArray,
     state: jax.Array,
     before: jax.Array,
-    h: Any,
+    h: AnyArray,
     tangent: Tangent,
     *,
-    tolerance: Any,
+    tolerance: AnyArray,
     most: int,
 ) -> StepResult:
     """The state (n,) after a step h, by Newton's method; a tangent that converges slowly is renewed.
@@ -113,14 +120,14 @@ def implicit_step(
         size = noise + jnp.linalg.norm(after) + jnp.linalg.norm(before)
         return jnp.linalg.norm(left) / jnp.maximum(size, 1e-300)
 
-    def goes_on(carry: Any) -> jax.Array:
+    def goes_on(carry: _Carry) -> jax.Array:
         _, _, error, _, _, count, _ = carry
         return (count < most) & ~(error <= tolerance)
 
-    def found(_: Any, first: jax.Array) -> tuple[jax.Array, Any]:
+    def found(_: object, first: jax.Array) -> tuple[jax.Array, tuple[jax.Array, jax.Array, Tangent]]:
         at_first = missing(first)
 
-        def improve(carry: Any) -> Any:
+        def improve(carry: _Carry) -> _Carry:
             after, left, error, slow, is_own, count, known = carry
             # A tangent of another step may have caused divergence.
             again = slow & ~is_own

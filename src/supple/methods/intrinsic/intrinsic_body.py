@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any, Literal
+from typing import Literal
 
 import jax
 import jax.numpy as jnp
@@ -415,7 +415,9 @@ def body_of(placed: Placed) -> IntrinsicBody:
     return body
 
 
-def _places_over_time(model: LineModel, q2: Any, rotations: Any, positions: Any) -> Any:
+def _places_over_time(
+    model: LineModel, q2: jax.Array, rotations: jax.Array, positions: jax.Array
+) -> StationPlaces:
     return jax.vmap(lambda *now: station_places(model, *now))(q2, rotations, positions)
 
 

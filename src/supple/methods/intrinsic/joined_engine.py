@@ -6,7 +6,6 @@ import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -17,11 +16,10 @@ from supple.equations.checks.start_report import report_start
 from supple.equations.compiler_options import MARCHING, STARTING
 from supple.equations.configuration import ControlState, SystemMotion
 from supple.equations.control_start import first_control, fresh_control, kept_control
-from supple.equations.floating_solution import body_motions, joint_multipliers
-from supple.equations.joint_wrench import joint_wrenches
-from supple.equations.sampling import sampling_of
+from supple.equations.floating_solution import floating_solution
+from supple.equations.sampling import joined_legs, march_sampled, sampling_of
 from supple.errors import ModelError
-from supple.integrate import GeneralizedAlpha, Leg, Motion, Run, Solution, Statistics, leg_size
+from supple.integrate import GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
 from supple.machine import At, System
 from supple.methods.intrinsic.full_leg import full_leg, n_good
 from supple.methods.intrinsic.implicit_step import first_order_coefficients
@@ -40,6 +38,10 @@ ITERATED = 1e-4
 QUICK = 100_000
 """Steps times unknowns of a run up to which the quick program is used. It compiles in two thirds of the time
 (33 instead of 51 s for two lines of 106 unknowns), and its steps take 3.6 times as long (44 and 12 ms)."""
+
+
+Outputs = tuple[jax.Array, JoinedRates, jax.Array]
+"""Velocities of the model's bodies, rates and multipliers."""
 
 
 class JoinedEngine:
@@ -109,30 +111,22 @@ class JoinedEngine:
         """Integrate to each of the output times, in one compiled call (with sampled controllers, several)."""
         if self._sampling is None:
             return self._leg(state, times)
+        return march_sampled(self._sampling, self._one_by_one, self._sampled, state, times)
+
+    def _one_by_one(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
+        """A call for each time: those between calls of controllers are unevenly spaced."""
         legs: list[Leg[JoinedState]] = []
-        reached: list[JoinedState] = []
-        later = self._sampling.later(float(state.now.time))
-        between = later[later < times[-1]]
-        for stop in np.union1d(between, times):
-            # Controllers due now are called only if the run advances.
-            goes_on = stop > float(state.now.time)
-            legs.append(self._leg(self._sampled(state) if goes_on else state, np.array([stop])))
+        for time in times:
+            legs.append(self._leg(state, np.array([time])))
             state = legs[-1].last
             if legs[-1].stopped is not None:
                 break
-            if stop in times:
-                reached.append(legs[-1].states)
-        known = reached or [legs[-1].states]
-        return replace(
-            legs[-1],
-            states=jax.tree.map(lambda *leaves: np.concatenate(leaves), *known),
-            n_reached=len(reached),
-            statistics=sum((leg.statistics for leg in legs), Statistics()),
-        )
+        return joined_legs(legs)
 
     def _sampled(self, state: JoinedState) -> JoinedState:
         """The state after calling the sampled controllers that are due, with its new rates."""
         assert self._sampling is not None
+        assert state.control is not None
         now = jax.tree.map(np.asarray, state.now)
         control = self._sampling.called(self._arrays.model, self._motion(now, state.control), state.control)
         if control is None:
@@ -143,13 +137,13 @@ class JoinedEngine:
     def _leg(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
         began = clock.perf_counter()
         # A short leg repeats its last time, with steps of zero length.
-        interval = self._interval if self._sampling is None else float(times[0] - state.now.time)
+        interval = self._interval if self._sampling is None else float(times[0] - state.time)
         n_steps = max(1, int(np.ceil(interval / self.step * (1 - 1e-9))))
         padded = full_leg(times, self._length)
         reached = jax.device_get(self._program(self._arrays, state, padded, self.stepping, n_steps))
         n_reached = min(n_good(reached.now, reached.worst <= self.stepping.limit), len(times))
         last = jax.tree.map(lambda leaf: jnp.asarray(leaf[max(n_reached, 1) - 1]), reached)
-        moving = int(np.count_nonzero(np.diff(times, prepend=float(state.now.time))))
+        moving = int(np.count_nonzero(np.diff(times, prepend=float(state.time))))
         iterations, seconds = int(last.iterations - state.iterations), clock.perf_counter() - began
         return Leg(
             states=jax.tree.map(lambda leaf: leaf[:n_reached], reached),
@@ -166,13 +160,13 @@ class JoinedEngine:
             "allow more iterations (Tolerances), or check for a singular position of the joints"
         )
 
-    def _outputs(self, now: JoinedInstant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
+    def _outputs(self, now: JoinedInstant, control: ControlState | None) -> Outputs:
         """Velocities of the model's bodies, rates and multipliers at instants."""
         n = len(now.time)
         both = full_leg((now, control), max(self._length, n))
         return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, *both))
 
-    def _at(self, now: JoinedInstant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
+    def _at(self, now: JoinedInstant, control: ControlState | None) -> Outputs:
         """`_outputs` at one instant."""
         found = self._outputs(*jax.tree.map(lambda leaf: np.asarray(leaf)[None], (now, control)))
         return jax.tree.map(lambda leaf: leaf[0], found)
@@ -209,25 +203,17 @@ def joined_solution(
 
     velocities : (t, n)     velocities of all bodies of the model, including stations
     """
-    arrays, seen, times = machine.arrays, machine.seen, np.asarray(now.time)
-    model, still = arrays.model, np.zeros((len(times), 6 * arrays.n_coupled))
+    arrays, model, times = machine.arrays, machine.arrays.model, np.asarray(now.time)
+    still = np.zeros((len(times), 6 * arrays.n_coupled))
     accelerations = np.concatenate([rates.acceleration, still], axis=1)
-    floating = body_motions(seen, model.slices, now.floating, velocities, accelerations)
-    of_joints = joint_multipliers(seen, model.active, multipliers)
-    bodies: dict[str, Motion] = {
+    motion = SystemMotion(times, now.floating, velocities, accelerations, multipliers)
+    seen = floating_solution(machine.seen, model.slices, model.active, motion, statistics, engine_state)
+    lines = {
         placed.body.name: line_motion(placed, own, None, state, rate.q1, times)
         for placed, own, state, rate in zip(machine.lines, arrays.lines, now.lines, rates.lines, strict=True)
     }
-    names = [placed.body.name for placed in machine.system.bodies]
-    bodies |= {name: motion for name, motion in floating.items() if name in names}
-    return Solution(
-        times=times,
-        bodies={name: bodies[name] for name in names},
-        joint_forces=joint_wrenches(seen, times, floating, of_joints),
-        statistics=statistics,
-        engine_state=engine_state,
-        multipliers=of_joints,
-    )
+    known, names = {**seen.bodies, **lines}, [placed.body.name for placed in machine.system.bodies]
+    return replace(seen, bodies={name: known[name] for name in names})
 
 
 def _unknowns(machine: JoinedMachine) -> int:
@@ -253,10 +239,8 @@ def _march_joined(
     return jax.lax.scan(to_output, start, times)[1]
 
 
-def _rates_at(
-    arrays: JoinedArrays, states: JoinedInstant, controls: ControlState | None
-) -> tuple[jax.Array, JoinedRates, jax.Array]:
-    def at(now: JoinedInstant, control: ControlState | None) -> tuple[jax.Array, JoinedRates, jax.Array]:
+def _rates_at(arrays: JoinedArrays, states: JoinedInstant, controls: ControlState | None) -> Outputs:
+    def at(now: JoinedInstant, control: ControlState | None) -> Outputs:
         return all_velocities(arrays, now), *instant_rates(arrays, now, control)
 
     return jax.vmap(at)(states, controls)

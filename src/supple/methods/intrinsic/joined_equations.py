@@ -18,7 +18,7 @@ constraints", J. Comput. Appl. Math. 12-13 (1985) 77-90, for mu.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -27,7 +27,7 @@ from supple.equations import joint_force
 from supple.equations.balance import balance
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion, advance
 from supple.equations.joint_force import constraints
-from supple.equations.places import assembled_vector
+from supple.equations.places import AnyArray, assembled_vector
 from supple.methods.intrinsic.equal_lines import for_each_line
 from supple.methods.intrinsic.joined_machine import JoinedArrays, coupled_places, with_stations
 from supple.methods.intrinsic.line_equations import (
@@ -46,9 +46,9 @@ __all__ = [
     "all_velocities",
     "coupled_forces",
     "coupled_wrenches",
-    "joint_rates",
     "motion_residuals",
     "moved_instant",
+    "on_amplitudes",
     "residuals_of_joints",
     "seen_motion",
     "shape_rates",
@@ -63,10 +63,10 @@ class JoinedInstant(NamedTuple):
     velocity : (n,)             velocities of the floating bodies
     """
 
-    time: Any
+    time: AnyArray
     lines: States
     floating: Configuration
-    velocity: Any
+    velocity: AnyArray
 
 
 class JoinedRates(NamedTuple):
@@ -78,8 +78,8 @@ class JoinedRates(NamedTuple):
     """
 
     lines: States
-    acceleration: Any
-    frames: Any
+    acceleration: AnyArray
+    frames: AnyArray
 
 
 def shape_rates(model: LineModel, state: LineState, q1: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
@@ -106,8 +106,14 @@ def station_twists(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.A
 
 def coupled_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) -> tuple[jax.Array, ...]:
     """T^T f for forces and moments f (6 s,) on the coupled stations: forces on each line's amplitudes."""
+    return on_amplitudes(arrays, states)(wrenches)
+
+
+def on_amplitudes(arrays: JoinedArrays, states: States) -> Callable[[jax.Array], tuple[jax.Array, ...]]:
+    """`coupled_forces` as a function of the forces, for several of them."""
     amplitudes = tuple(state.q1 for state in states)
-    return jax.vjp(lambda q1: station_twists(arrays, states, q1), amplitudes)[1](wrenches)[0]
+    _, back = jax.vjp(lambda q1: station_twists(arrays, states, q1), amplitudes)
+    return lambda wrenches: back(wrenches)[0]
 
 
 def coupled_wrenches(arrays: JoinedArrays, now: JoinedInstant, multipliers: jax.Array) -> jax.Array:
@@ -126,11 +132,6 @@ def all_velocities(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
     return jnp.concatenate([now.velocity, twists])
 
 
-def joint_rates(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
-    """G V + dg/dt of the active equations, (m,)."""
-    return residuals_of_joints(arrays, now)[1]
-
-
 def residuals_of_joints(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Array]:
     """Residuals g, and G V + dg/dt, of the active equations, (m,) each; stations of `now` are placed."""
     model, time, at = arrays.model, jnp.asarray(now.time, dtype=float), now.floating
@@ -141,7 +142,9 @@ def residuals_of_joints(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.A
     return joint_force.residuals(model, joints), rates
 
 
-def moved_instant(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
+def moved_instant(
+    arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: AnyArray
+) -> JoinedInstant:
     """The instant after a time `time`; `change` contains the rates multiplied by this time."""
     increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_coupled)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)
@@ -155,7 +158,7 @@ def seen_motion(
     arrays: JoinedArrays,
     now: JoinedInstant,
     rates: JoinedRates,
-    multipliers: Any,
+    multipliers: AnyArray,
     control: ControlStep | None = None,
 ) -> SystemMotion:
     """Motion of floating bodies and stations as the input of joints, forces and controllers."""
@@ -185,12 +188,10 @@ def motion_residuals(
     push = assembled_vector(
         model.n_velocities, joint_force.force(model, balanced.linearization.joints, closing)
     )
-    amplitudes = tuple(state.q1 for state in now.lines)
-    _, back = jax.vjp(lambda q1: station_twists(arrays, now.lines, q1), amplitudes)
-    (forces,), (pushed,) = back(-left[n:]), back(push[n:])
-    system = arrays.line_system
+    back = on_amplitudes(arrays, now.lines)
+    forces, pushed = back(-left[n:]), back(push[n:])
     roots = tuple(None if drive is None else drive.twist(now.time) for drive in arrays.drives)
-    wrenches = system_wrenches(system, now.lines, now.time, roots)
+    wrenches = system_wrenches(arrays.line_system, now.lines, now.time, roots)
     lines = for_each_line(
         _line_residual, arrays.lines, now.lines, rates.lines, wrenches, roots, forces, pushed
     )

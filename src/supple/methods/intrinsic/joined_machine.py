@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -38,9 +38,8 @@ from supple.methods.intrinsic.equal_lines import EqualLines, for_each_line
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import LineSystem, RootDrive, States
-from supple.methods.intrinsic.machine_loads import machine_loads
 from supple.methods.intrinsic.machine_of_lines import line_start, machine_of_lines
-from supple.methods.intrinsic.station_loads import StationLoad
+from supple.methods.intrinsic.station_loads import StationLoad, machine_loads
 from supple.methods.intrinsic.strain_integration import StationPlaces, rotation_of, station_places
 
 __all__ = [
@@ -56,6 +55,8 @@ __all__ = [
 ]
 
 STATIC = {"static": True}
+E = TypeVar("E", bound=Joint | ForceElement)
+C = TypeVar("C", bound=Controller | SampledController)
 
 
 @jax.tree_util.register_dataclass
@@ -82,8 +83,13 @@ class JoinedArrays:
         return sum(map(len, self.coupled))
 
     @property
+    def n_bodies(self) -> int:
+        """Number of floating bodies, which are first in the model."""
+        return len(self.model.sizes) - self.n_coupled
+
+    @property
     def n_floating(self) -> int:
-        """Number of velocities of floating bodies, which are first in the model."""
+        """Number of velocities of the floating bodies."""
         return self.model.n_velocities - 6 * self.n_coupled
 
     @property
@@ -105,6 +111,11 @@ class JoinedMachine(NamedTuple):
     lines: tuple[Placed, ...]
     arrays: JoinedArrays
     states: States
+
+    @property
+    def others(self) -> tuple[Placed, ...]:
+        """The placed bodies that are not intrinsic, in the order of the model."""
+        return tuple(placed for placed in self.system.bodies if placed not in self.lines)
 
 
 class LinesAsStations(NamedTuple):
@@ -130,9 +141,18 @@ def lines_as_stations(system: System, also: Sequence[At] = ()) -> LinesAsStation
     """
     lines = tuple(placed for placed in system.bodies if isinstance(placed.body, IntrinsicBody))
     others = tuple(placed for placed in system.bodies if placed not in lines)
-    _check_roots(lines)
+    for placed in lines:
+        if body_of(placed).support.free.shape[1] < 6:
+            raise ModelError(
+                f"intrinsic body '{placed.body.name}': its modes belong to a supported root, but joints "
+                "act on it: place released(body), which also has rigid motion"
+            )
     forces = [load for load in system.loads if isinstance(load, ForceElement)]
-    coupled = tuple(_coupled(placed, [*_ends(system, forces), *also]) for placed in lines)
+    ends = [*_ends(system, forces), *also]
+    coupled = tuple(
+        tuple(sorted({_number(placed, end) for end in ends if end.body == placed.body.name}))
+        for placed in lines
+    )
     joints = {joint.name: seen_element(system, joint) for joint in system.joints}
     bases = [load for load in system.loads if isinstance(load, BaseAcceleration)]
     nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
@@ -196,28 +216,14 @@ def supported_machine(system: System, time: float) -> JoinedMachine:
     return JoinedMachine(system, seen, tuple(system.bodies), arrays, made.start)
 
 
-def _check_roots(lines: tuple[Placed, ...]) -> None:
-    for placed in lines:
-        if body_of(placed).support.free.shape[1] < 6:
-            raise ModelError(
-                f"intrinsic body '{placed.body.name}': its modes belong to a supported root, but joints "
-                "act on it: place released(body), which also has rigid motion"
-            )
-
-
 def _ends(system: System, forces: list[ForceElement]) -> list[At]:
     """Ends of joints, forces and controllers, both actuators and sensors."""
-    elements: list[Any] = [*system.joints, *forces]
+    elements: list[Joint | ForceElement] = [*system.joints, *forces]
     read = []
     for controller in system.controllers:
         elements += controller.drives.values()
         read += [each.at for each in controller.reads.values() if isinstance(each, EndReading)]
     return read + [end for element in elements for end in (element.first, element.second)]
-
-
-def _coupled(placed: Placed, ends: list[At]) -> tuple[int, ...]:
-    """Stations of a body among these ends."""
-    return tuple(sorted({_number(placed, end) for end in ends if end.body == placed.body.name}))
 
 
 def _number(placed: Placed, end: At) -> int:
@@ -236,7 +242,7 @@ def _station(placed: Placed, number: int) -> Placed:
     return Placed(body, point, rotation)
 
 
-def seen_element(system: System, element: Joint | ForceElement) -> Any:
+def seen_element(system: System, element: E) -> E:
     """The joint or force with its ends on floating bodies and on bodies of stations."""
     return replace(element, first=seen_end(system, element.first), second=seen_end(system, element.second))
 
@@ -251,7 +257,7 @@ def seen_end(system: System, end: At) -> At:
     return At(_label(placed, _number(placed, end)), "station")
 
 
-def _seen_controller(system: System, controller: Controller | SampledController) -> Any:
+def _seen_controller(system: System, controller: C) -> C:
     """The controller with its ends on floating bodies and on bodies of stations."""
     reads = {
         name: EndReading(seen_end(system, each.at)) if isinstance(each, EndReading) else each
@@ -289,7 +295,7 @@ def _coupled_places(model: LineModel, state: LineState, coupled: _Stations) -> S
 
 def with_stations(arrays: JoinedArrays, floating: Configuration, states: States) -> Configuration:
     """Configuration of all bodies of the model: floating ones as given, stations from the strains."""
-    n = len(arrays.model.sizes) - arrays.n_coupled
+    n = arrays.n_bodies
     positions, rotations = coupled_places(arrays, states)
     return Configuration(
         jnp.concatenate([floating.origins[:n], positions]),

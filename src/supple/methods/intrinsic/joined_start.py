@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -31,9 +31,9 @@ from supple.methods.intrinsic.intrinsic_body import body_of
 from supple.methods.intrinsic.joined_equations import (
     JoinedInstant,
     JoinedRates,
-    joint_rates,
     motion_residuals,
     moved_instant,
+    residuals_of_joints,
     shape_rates,
 )
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, with_stations
@@ -43,7 +43,6 @@ from supple.programs.program_cache import CachedProgram
 
 __all__ = [
     "ClosedMachine",
-    "JoinedStart",
     "closed_machine",
     "instant_rates",
     "joined_start",
@@ -56,23 +55,15 @@ MOST_REACTIONS, CONVERGED = 100, 1e-12
 """Most iterations for joint forces with friction, and relative change of the solution at which they end."""
 
 
-class JoinedStart(NamedTuple):
-    """The machine without redundant equations, and its initial instant, which satisfies the joints."""
+def joined_start(machine: JoinedMachine, time: float) -> tuple[JoinedArrays, JoinedInstant, StartChange]:
+    """The machine without redundant equations, its initial instant on the joints, and the change by them.
 
-    arrays: JoinedArrays
-    now: JoinedInstant
-    change: StartChange
-
-
-def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
-    """Consistent start; velocities are corrected as for floating bodies (`start_velocity`).
-
+    Velocities are corrected as for floating bodies (`start_velocity`).
     Raises ModelError for an open joint, or a law without a finite value. Warns RedundantConstraintWarning
     about joints with redundant equations.
     """
     closed = closed_machine(machine, time)
-    now, change = _on_joints(machine, closed)
-    return JoinedStart(closed.arrays, now, change)
+    return closed.arrays, *_on_joints(machine, closed)
 
 
 class ClosedMachine(NamedTuple):
@@ -115,9 +106,9 @@ def closed_machine(
         known = independent_constraints(seen, rows, metric)
     active = np.array(known, dtype=int)
     if len(active) < len(gaps):
-        n_floating = len(arrays.model.sizes) - arrays.n_coupled
-        arrays = replace(arrays, model=station_model(seen, n_floating, tuple(active.tolist())))
-        check_friction_known(seen, tuple(active.tolist()))
+        kept = tuple(active.tolist())
+        arrays = replace(arrays, model=station_model(seen, arrays.n_bodies, kept))
+        check_friction_known(seen, kept)
     return ClosedMachine(arrays, now, active, rows, rates, metric)
 
 
@@ -131,22 +122,25 @@ def _begun(
 
 
 def _check_closed(machine: JoinedMachine, gaps: np.ndarray) -> None:
-    labels = [(joint.name, row) for joint in machine.system.joints for row in joint.rows]
     relative = np.abs(gaps) / row_scales(machine.seen, system_length(machine.system))
     if relative.max(initial=0.0) > OPEN:
         worst = int(np.argmax(relative))
-        joint, row = labels[worst]
+        joint, row = [(joint.name, row) for joint in machine.system.joints for row in joint.rows][worst]
         raise ModelError(
             f"joint '{joint}' is open in the initial configuration: {row} has a gap of {gaps[worst]:.3g}. "
             "Place the bodies so that both ends meet; coordinates determine the shape of an intrinsic body"
         )
 
 
-def _velocities(now: JoinedInstant) -> tuple[Any, Any]:
+Velocities = tuple[jax.Array, tuple[jax.Array, ...]]
+"""Velocities of the floating bodies, and amplitudes of each line; or forces on them."""
+
+
+def _velocities(now: JoinedInstant) -> Velocities:
     return now.velocity, tuple(state.q1 for state in now.lines)
 
 
-def _with_velocities(now: JoinedInstant, velocities: tuple[Any, Any]) -> JoinedInstant:
+def _with_velocities(now: JoinedInstant, velocities: Velocities) -> JoinedInstant:
     floating, amplitudes = velocities
     lines = tuple(replace(state, q1=q1) for state, q1 in zip(now.lines, amplitudes, strict=True))
     return now._replace(velocity=floating, lines=lines)
@@ -157,7 +151,7 @@ def _rows(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Arra
     flat, unravel = ravel_pytree(_velocities(now))
 
     def rates(velocities: jax.Array) -> jax.Array:
-        return joint_rates(arrays, _with_velocities(now, unravel(velocities)))
+        return residuals_of_joints(arrays, _with_velocities(now, unravel(velocities)))[1]
 
     return jax.jacfwd(rates)(flat), rates(flat)
 
@@ -224,14 +218,12 @@ def _on_joints(machine: JoinedMachine, closed: ClosedMachine) -> tuple[JoinedIns
 
 def _ordered(machine: JoinedMachine) -> System:
     """The machine with floating bodies first, in the order of its velocities."""
-    others = [placed for placed in machine.system.bodies if placed not in machine.lines]
-    return replace(machine.system, bodies=(*others, *machine.lines))
+    return replace(machine.system, bodies=(*machine.others, *machine.lines))
 
 
 def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray]]:
     """Slice of each body's velocities, and these velocities (n, 6) for rigid motion of its frame."""
-    n_others = len(machine.arrays.model.sizes) - machine.arrays.n_coupled
-    parts = list(machine.arrays.model.slices[:n_others])
+    parts = list(machine.arrays.model.slices[: machine.arrays.n_bodies])
     motions = [np.eye(part.stop - part.start, 6) for part in parts]
     for placed, state in zip(machine.lines, machine.states, strict=True):
         body = body_of(placed)
@@ -261,7 +253,7 @@ def instant_rates(
     none = jnp.zeros(m)
     held = control and ControlStep(control, jnp.zeros(()))
 
-    def unbalanced(multipliers: jax.Array) -> Any:
+    def unbalanced(multipliers: jax.Array) -> Velocities:
         left = motion_residuals(arrays, now, steady, multipliers, none, jnp.zeros_like, held)
         return left.acceleration, tuple(line.q1 for line in left.lines)
 
@@ -270,23 +262,26 @@ def instant_rates(
         found, multipliers = -jnp.linalg.solve(velocity_metric(arrays, now), flat), none
     else:
 
-        def later(s: jax.Array) -> jax.Array:
-            return joint_rates(arrays, moved_instant(arrays, now, jax.tree.map(lambda r: s * r, steady), s))
+        def rates_later(s: jax.Array) -> jax.Array:
+            later = moved_instant(arrays, now, jax.tree.map(lambda r: s * r, steady), s)
+            return residuals_of_joints(arrays, later)[1]
 
-        _, bias = jax.jvp(later, (jnp.zeros(()),), (jnp.ones(()),))
+        _, bias = jax.jvp(rates_later, (jnp.zeros(()),), (jnp.ones(()),))
         rows, _ = _rows(arrays, now)
         matrix = jnp.block([[velocity_metric(arrays, now), rows.T], [rows, jnp.zeros((m, m))]])
         solved = -jnp.linalg.solve(matrix, jnp.concatenate([flat, bias]))
         if arrays.model.reads_reactions:
             inverse, size = jnp.linalg.inv(matrix), len(flat)
 
-            def again(carry: tuple[jax.Array, Any, Any]) -> tuple[jax.Array, Any, Any]:
+            def again(
+                carry: tuple[jax.Array, jax.Array, int | jax.Array],
+            ) -> tuple[jax.Array, jax.Array, int | jax.Array]:
                 known, _, count = carry
                 left = ravel_pytree(unbalanced(known[size:]))[0] - rows.T @ known[size:]
                 after = -inverse @ jnp.concatenate([left, bias])
                 return after, jnp.max(jnp.abs(after - known)), count + 1
 
-            def goes_on(carry: tuple[jax.Array, Any, Any]) -> jax.Array:
+            def goes_on(carry: tuple[jax.Array, jax.Array, int | jax.Array]) -> jax.Array:
                 known, change, count = carry
                 return (count < MOST_REACTIONS) & (change > CONVERGED * jnp.max(jnp.abs(known)))
 

@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 
-from supple.equations.configuration import ControlStep
+from supple.equations.configuration import ControlState, ControlStep
 from supple.equations.control_force import stepped
 from supple.equations.inertia import mass_matrix
+from supple.equations.places import AnyArray
 from supple.methods.intrinsic.implicit_step import ROUNDING, SLOW, FirstOrderCoefficients
 from supple.methods.intrinsic.joined_equations import (
     JoinedInstant,
@@ -55,17 +56,26 @@ class JoinedState(NamedTuple):
 
     now: JoinedInstant
     rates: JoinedRates
-    multipliers: Any
-    control: Any
-    worst: Any
-    iterations: Any
+    multipliers: AnyArray
+    control: ControlState | None
+    worst: AnyArray
+    iterations: AnyArray
+
+    @property
+    def time(self) -> AnyArray:
+        """Time of the state, s."""
+        return self.now.time
 
 
 class _Tangent(NamedTuple):
     """Derivative of the residuals by the unknowns, and its inverse, (N, N)."""
 
-    slope: Any
-    inverse: Any
+    slope: AnyArray
+    inverse: AnyArray
+
+
+_Carry = tuple[jax.Array, jax.Array, jax.Array, jax.Array, jax.Array, _Tangent]
+"""Unknowns, residuals, their relative size, whether it decreases slowly, number of iterations, tangent."""
 
 
 def joined_step(
@@ -86,7 +96,7 @@ def joined_step(
     flat, unravel = ravel_pytree(before)
     size = len(flat)
 
-    def mixed(share: Any, first: Any, after: JoinedRates) -> JoinedRates:
+    def mixed(share: AnyArray, first: AnyArray, after: JoinedRates) -> JoinedRates:
         return jax.tree.map(lambda a, b: share * (first * a + (1 - first) * b), before, after)
 
     def missing(unknown: jax.Array) -> jax.Array:
@@ -148,19 +158,19 @@ def _solved(
         left = missing(unknown)
         return left, left
 
-    def made_anew(unknown: jax.Array, _: jax.Array, __: Any) -> tuple[jax.Array, _Tangent]:
+    def made_anew(unknown: jax.Array, _: jax.Array, __: _Tangent) -> tuple[jax.Array, _Tangent]:
         # Value and derivative in one pass: the program is shorter, and compiles faster.
         slope, left = jax.jacfwd(twice, has_aux=True)(unknown)
         return left, _Tangent(slope, jnp.linalg.inv(slope))
 
-    def kept(_: jax.Array, left: jax.Array, known: Any) -> tuple[jax.Array, _Tangent]:
+    def kept(_: jax.Array, left: jax.Array, known: _Tangent) -> tuple[jax.Array, _Tangent]:
         return left, known
 
-    def goes_on(carry: Any) -> jax.Array:
+    def goes_on(carry: _Carry) -> jax.Array:
         _, _, error, _, count, _ = carry
         return (count < stepping.max_iterations) & (error > stepping.tolerance)
 
-    def improve(carry: Any) -> Any:
+    def improve(carry: _Carry) -> _Carry:
         unknown, left, error, slow, count, known = carry
         left, known = jax.lax.cond(slow, made_anew, kept, unknown, left, known)
         unknown = unknown - known.inverse @ left
@@ -188,7 +198,7 @@ def _kinds(arrays: JoinedArrays, rates: JoinedRates, m: int) -> np.ndarray:
         sizes = (line.q1.size, line.q2.size, line.quaternion.size + line.position.size)
         lines += [np.full(size, k + own) for own, size in enumerate(sizes)]
         k += len(sizes)
-    frames = [np.repeat([0, 1, 2], (3, 3, r)) for r in _floating_sizes(arrays)]
+    frames = [np.repeat([0, 1, 2], (3, 3, r)) for r in arrays.model.sizes[: arrays.n_bodies]]
     of_frames = np.concatenate([np.zeros(0, dtype=int), *frames])
     closed = [np.full(m, k + 6), np.full(m, k + 7)]
     return np.concatenate([*lines, of_frames + k, of_frames + k + 3, *closed]).astype(int)
@@ -198,7 +208,7 @@ def _sizes(arrays: JoinedArrays, now: JoinedInstant, m: int) -> jax.Array:
     """Sizes of the states, in the order of their rates, as the scale of rounding errors."""
     length = jnp.asarray(arrays.model.length, dtype=float)
     frames, first = [jnp.zeros(0)], 0
-    for r in _floating_sizes(arrays):
+    for r in arrays.model.sizes[: arrays.n_bodies]:
         own = now.floating.coordinates[first : first + r]
         frames += [jnp.full(3, length), jnp.ones(3), jnp.abs(own)]
         first += r
@@ -206,7 +216,3 @@ def _sizes(arrays: JoinedArrays, now: JoinedInstant, m: int) -> jax.Array:
     lines = tuple(replace(jax.tree.map(jnp.abs, state), position=jnp.full(3, length)) for state in now.lines)
     sizes = JoinedRates(lines, jnp.abs(now.velocity), jnp.concatenate(frames))
     return jnp.concatenate([ravel_pytree(sizes)[0], jnp.zeros(2 * m)])
-
-
-def _floating_sizes(arrays: JoinedArrays) -> tuple[int, ...]:
-    return arrays.model.sizes[: len(arrays.model.sizes) - arrays.n_coupled]

@@ -16,11 +16,12 @@ Source: [Wang2015] (12)-(14), with their integrals as sums over stations.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 
+from supple.equations.places import AnyArray
 from supple.methods.intrinsic.line_model import LineModel
 
 __all__ = [
@@ -44,8 +45,8 @@ __all__ = [
 class RootTwist(NamedTuple):
     """Prescribed motion of the root in its own axes: velocity and angular velocity (6,), and their rates."""
 
-    twist: Any
-    rate: Any
+    twist: AnyArray
+    rate: AnyArray
 
 
 def station_velocities(model: LineModel, q1: jax.Array, root: RootTwist | None = None) -> jax.Array:

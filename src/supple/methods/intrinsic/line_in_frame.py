@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -27,6 +26,7 @@ import numpy as np
 
 from supple.algebra.rotation import rotation_exp, skew, unskew
 from supple.equations.compiler_options import STARTING
+from supple.equations.places import AnyArray
 from supple.equations.station_body import BodyState, MachineWithStations, StationBodyForces, Stations
 from supple.integrate import FloatingMotion, Motion
 from supple.machine import Placed, System
@@ -41,9 +41,8 @@ from supple.methods.intrinsic.line_equations import (
 )
 from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.line_system import wrenches_on
-from supple.methods.intrinsic.machine_loads import machine_loads
 from supple.methods.intrinsic.machine_of_lines import line_start
-from supple.methods.intrinsic.station_loads import MovingStations, StationLoad
+from supple.methods.intrinsic.station_loads import MovingStations, StationLoad, machine_loads
 from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
 from supple.programs.program_cache import CachedProgram
 
@@ -59,7 +58,7 @@ class FrameLine:
     """Arrays of a line, its root (3,) in the body's axes, its loads, and its coupled stations."""
 
     model: LineModel
-    root: Any
+    root: AnyArray
     loads: tuple[StationLoad, ...]
     coupled: tuple[int, ...] = field(metadata=STATIC)
 
@@ -161,7 +160,7 @@ def _with_frame_rates(placed: Placed) -> Placed:
     body = body_of(placed)
     line = FrameLine(body.model, body.line.tree.points[0], (), ())
     start = line_start(placed, None, 0.0)
-    u = np.asarray(_frame_rates(line, placed.coordinates, start.q1))
+    u = np.asarray(_rows_at_start(line, placed.coordinates)) @ np.asarray(start.q1)
     rates = {"velocity": placed.rotation @ u[:3], "angular_velocity": u[3:6], "coordinate_rates": u[6:]}
     return replace(placed, **rates)
 
@@ -181,19 +180,10 @@ def _frame_rows(line: FrameLine, coordinates: jax.Array) -> jax.Array:
     return jax.jacfwd(seen)(jnp.zeros(model.velocities.shape[1]))
 
 
-def _frame_rates_at(line: FrameLine, coordinates: jax.Array, q1: jax.Array) -> jax.Array:
-    """Velocities A q_1 (6 + e,), the first three along the body's axes."""
-    return _frame_rows(line, coordinates) @ q1
-
-
-def _along_axes(rotation: jax.Array, u: jax.Array) -> jax.Array:
-    """Velocities u (6 + e,) with the first three components along the body's axes."""
-    return jnp.concatenate([u[:3] @ rotation, u[3:]])
-
-
 def _velocities(line: FrameLine, rotation: jax.Array, coordinates: jax.Array, u: jax.Array) -> jax.Array:
     """q_1 from velocities u."""
-    return jnp.linalg.solve(_frame_rows(line, coordinates), _along_axes(rotation, u))
+    along_axes = jnp.concatenate([u[:3] @ rotation, u[3:]])
+    return jnp.linalg.solve(_frame_rows(line, coordinates), along_axes)
 
 
 def _pose_rates(state: BodyState, u: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
@@ -201,7 +191,7 @@ def _pose_rates(state: BodyState, u: jax.Array) -> tuple[jax.Array, jax.Array, j
     return u[:3], state.rotation @ skew(u[3:6]), u[6:]
 
 
-def _pose(state: BodyState) -> tuple[Any, Any, Any]:
+def _pose(state: BodyState) -> tuple[AnyArray, AnyArray, AnyArray]:
     return state.origin, state.rotation, state.coordinates
 
 
@@ -229,7 +219,9 @@ def _missing(line: FrameLine, state: BodyState) -> tuple[jax.Array, jax.Array]:
     return tuple(jnp.concatenate([state.rotation @ each[:3], each[3:]]) for each in (left, loads))  # ty: ignore[invalid-explicit-return]
 
 
-def _places_of_coupled(line: FrameLine, origin: Any, rotation: Any, coordinates: Any) -> StationPlaces:
+def _places_of_coupled(
+    line: FrameLine, origin: AnyArray, rotation: AnyArray, coordinates: AnyArray
+) -> StationPlaces:
     q2 = -line.model.omega * coordinates
     places = station_places(line.model, q2, rotation, origin + rotation @ line.root)
     coupled = np.array(line.coupled, dtype=int)
@@ -276,7 +268,7 @@ def _tangent_at(line: FrameLine, state: BodyState, forces: jax.Array) -> tuple[j
     return mass, damping, stiffness
 
 
-_frame_rates = CachedProgram(_frame_rates_at, STARTING)
+_rows_at_start = CachedProgram(_frame_rows, STARTING)
 _stations = CachedProgram(_stations_at, STARTING)
 _forces = CachedProgram(_forces_at, STARTING)
 _tangent = CachedProgram(_tangent_at, STARTING)

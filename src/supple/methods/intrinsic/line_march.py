@@ -1,17 +1,22 @@
-"""Time integration of lines through output times by one compiled program."""
+"""Time integration of lines through output times by one compiled program.
+
+Residual modes are high modes that follow the low modes statically, so that they do not limit explicit steps.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.flatten_util import ravel_pytree
 from jax.tree_util import register_static
 
+from supple.equations.places import AnyArray
 from supple.integrate import GeneralizedAlpha, ResidualRungeKutta4, RungeKutta4
 from supple.methods.intrinsic.implicit_step import (
     Tangent,
@@ -19,9 +24,7 @@ from supple.methods.intrinsic.implicit_step import (
     first_tangent,
     implicit_step,
 )
-from supple.methods.intrinsic.line_slope import system_slope
-from supple.methods.intrinsic.line_system import LineSystem, States, system_rates
-from supple.methods.intrinsic.residual_modes import at_rest_rates, inverse_of_high, slaved
+from supple.methods.intrinsic.line_system import LineSystem, States, system_rates, system_slope
 from supple.programs.program_cache import CachedProgram
 
 __all__ = [
@@ -32,7 +35,10 @@ __all__ = [
     "first_march_state",
     "march_lines",
     "runge_kutta_step",
+    "slaved",
 ]
+
+S = TypeVar("S")
 
 LineRule = RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha
 """Step rules for lines; GeneralizedAlpha(1.0) conserves energy."""
@@ -46,11 +52,11 @@ class LineMarchState(NamedTuple):
     iterations : ()     iterations of implicit steps since the start
     """
 
-    time: Any
+    time: AnyArray
     states: States
-    rates: Any
-    worst: Any
-    iterations: Any
+    rates: AnyArray
+    worst: AnyArray
+    iterations: AnyArray
 
 
 _rates = CachedProgram(system_rates)
@@ -93,15 +99,15 @@ def march_lines(
     tangent = first_tangent(start.rates.size) if isinstance(stepping.rule, GeneralizedAlpha) else None
 
     def to_output(
-        carry: tuple[LineMarchState, Any], end: jax.Array
-    ) -> tuple[tuple[LineMarchState, Any], LineMarchState]:
+        carry: tuple[LineMarchState, Tangent | None], end: jax.Array
+    ) -> tuple[tuple[LineMarchState, Tangent | None], LineMarchState]:
         state, known = carry
         h = (end - state.time) / n_steps
         begin = state.time
 
         def one(
-            now: tuple[LineMarchState, Any], number: jax.Array
-        ) -> tuple[tuple[LineMarchState, Any], None]:
+            now: tuple[LineMarchState, Tangent | None], number: jax.Array
+        ) -> tuple[tuple[LineMarchState, Tangent | None], None]:
             return step(now[0]._replace(time=begin + number * h), now[1], h), None
 
         (last, known), _ = jax.lax.scan(one, (state, known), jnp.arange(n_steps))
@@ -115,7 +121,7 @@ compiled_march = CachedProgram(march_lines)
 """`march_lines` as a compiled program that later processes reuse."""
 
 
-Step = Callable[[LineMarchState, Any, Any], tuple[LineMarchState, Any]]
+Step = Callable[[LineMarchState, Any, AnyArray], tuple[LineMarchState, Any]]
 """A step h from a state, with the tangent if the rule reuses one."""
 
 
@@ -133,10 +139,10 @@ def _step_of(system: LineSystem, stepping: Stepping, tolerance: jax.Array | floa
             return partial(_implicit, system, rule, tolerance, stepping.max_iterations)
 
 
-def runge_kutta_step(rates: Callable[[Any, Any], Any], time: Any, state: Any, h: Any) -> Any:
+def runge_kutta_step(rates: Callable[[AnyArray, S], S], time: AnyArray, state: S, h: AnyArray) -> S:
     """The state after a step h of the classical Runge-Kutta rule, to fourth order, from y' = rates(t, y)."""
 
-    def moved(by: Any, factor: float) -> Any:
+    def moved(by: S, factor: float) -> S:
         return jax.tree.map(lambda y, k: y + factor * h * k, state, by)
 
     k1 = rates(time, state)
@@ -151,14 +157,14 @@ def _kept(system: LineSystem, rule: ResidualRungeKutta4) -> tuple[int, ...]:
 
 
 def _residual_step(
-    system: LineSystem, rule: ResidualRungeKutta4, now: LineMarchState, h: Any
+    system: LineSystem, rule: ResidualRungeKutta4, now: LineMarchState, h: AnyArray
 ) -> LineMarchState:
     kept = _kept(system, rule)
-    inverse = inverse_of_high(system, kept, now.time, now.states)
+    inverse = _inverse_of_high(system, kept, now.time, now.states)
 
-    def rates(time: Any, states: States) -> States:
+    def rates(time: AnyArray, states: States) -> States:
         following, _ = slaved(system, kept, time, states, rule.sweeps, inverse)
-        return at_rest_rates(kept, system, system_rates(system, time, following))
+        return _at_rest_rates(kept, system, system_rates(system, time, following))
 
     moved = runge_kutta_step(rates, now.time, now.states, h)
     states, contraction = slaved(system, kept, now.time + h, moved, rule.sweeps, inverse)
@@ -168,18 +174,18 @@ def _residual_step(
 def _implicit(
     system: LineSystem,
     rule: GeneralizedAlpha,
-    tolerance: Any,
+    tolerance: AnyArray,
     most: int,
     now: LineMarchState,
     tangent: Tangent,
-    h: Any,
+    h: AnyArray,
 ) -> tuple[LineMarchState, Tangent]:
     flat, unravel = ravel_pytree(now.states)
 
-    def rates(time: Any, y: jax.Array) -> jax.Array:
+    def rates(time: AnyArray, y: jax.Array) -> jax.Array:
         return ravel_pytree(system_rates(system, time, unravel(y)))[0]
 
-    def slope(time: Any, y: jax.Array) -> jax.Array:
+    def slope(time: AnyArray, y: jax.Array) -> jax.Array:
         return system_slope(system, time, unravel(y))
 
     coefficients = first_order_coefficients(rule.rho_inf)
@@ -194,3 +200,83 @@ def _implicit(
         now.iterations + done.iterations,
     )
     return reached, done.tangent
+
+
+def _inverse_of_high(system: LineSystem, kept: tuple[int, ...], time: AnyArray, states: States) -> jax.Array:
+    """Inverse (N, N) of the derivative of the high modes' rates by their own amplitudes."""
+    high = _high(system, kept)
+    return jnp.linalg.inv(system_slope(_resting(system, kept), time, states)[np.ix_(high, high)])
+
+
+def slaved(
+    system: LineSystem,
+    kept: tuple[int, ...],
+    time: AnyArray,
+    states: States,
+    sweeps: int,
+    inverse: jax.Array | None = None,
+) -> tuple[States, jax.Array]:
+    """States whose high modes follow the low ones statically, and the contraction of the iteration.
+
+        0 = w_H q_2H + n_1H(q),     0 = -w_H q_1H + n_2H(q)
+
+    with n the couplings and loads on a high mode. Newton's method with one tangent solves these equations.
+    The fixed-point iteration of [Wang2015] evaluates n at the last values. It diverges for strongly coupled
+    modes, such as those that carry the axial force of a bent body.
+
+    kept : number of dynamic modes of each line, with the rigid ones
+    inverse : result of `_inverse_of_high` at a nearby state; by default computed here
+    Returns the states, and the ratio of the changes in the last two sweeps; 0 if the last is negligible.
+    Source: [Wang2015] (37).
+    """
+    high = _high(system, kept)
+    resting = _resting(system, kept)
+    flat, unravel = ravel_pytree(states)
+    if inverse is None:
+        inverse = _inverse_of_high(system, kept, time, states)
+    changes = []
+    for _ in range(sweeps):
+        change = inverse @ ravel_pytree(system_rates(resting, time, unravel(flat)))[0][high]
+        flat = flat.at[high].add(-change)
+        changes.append(jnp.linalg.norm(change))
+    moved = unravel(flat)
+    size = jnp.sqrt(sum(state.q1 @ state.q1 + state.q2 @ state.q2 for state in moved))
+    floor = 1e-9 * size + 1e-300
+    ratio = changes[-1] / jnp.maximum(changes[-2], floor)
+    return moved, jnp.where(changes[-1] > floor, ratio, 0.0)
+
+
+def _at_rest_rates(kept: tuple[int, ...], system: LineSystem, rates: States) -> States:
+    """The rates, with zero for the high modes."""
+    return tuple(
+        replace(
+            rate,
+            q1=jnp.where(jnp.arange(rate.q1.shape[0]) < n, rate.q1, 0.0),
+            q2=jnp.where(jnp.arange(rate.q2.shape[0]) < n - model.n_rigid, rate.q2, 0.0),
+        )
+        for model, rate, n in zip(system.lines, rates, kept, strict=True)
+    )
+
+
+def _resting(system: LineSystem, kept: tuple[int, ...]) -> LineSystem:
+    """The system without viscous forces of the high modes, whose rates are zero."""
+    lines = tuple(
+        replace(
+            model,
+            retardation=jnp.where(
+                jnp.arange(model.omega.shape[0]) < n - model.n_rigid, model.retardation, 0.0
+            ),
+        )
+        for model, n in zip(system.lines, kept, strict=True)
+    )
+    return replace(system, lines=lines)
+
+
+def _high(system: LineSystem, kept: tuple[int, ...]) -> np.ndarray:
+    """Numbers of the high modes' amplitudes among all states."""
+    found, first = [], 0
+    for model, n in zip(system.lines, kept, strict=True):
+        m, e = model.velocities.shape[1], model.omega.shape[0]
+        found += [np.arange(n, m) + first, np.arange(n - model.n_rigid, e) + m + first]
+        first += m + e + 7
+    return np.concatenate(found)

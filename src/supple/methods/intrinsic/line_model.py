@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import jax
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the first array
 from supple.body import Damping, ModalDamping, RayleighDamping
 from supple.body.damping import refuse_relative_damping
+from supple.equations.places import AnyArray
 from supple.errors import ModelError
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes
 
@@ -25,33 +25,33 @@ class LineModel:
     All numbers are data: lines of equal sizes share a compiled program, and results can be differentiated.
     """
 
-    omega: Any
+    omega: AnyArray
     """(e,) of the elastic modes, rad/s"""
-    velocities: Any
+    velocities: AnyArray
     """(6 n, m) Phi_1"""
-    station_masses: Any
+    station_masses: AnyArray
     """(n, 6, 6) masses, or None where stations share mass"""
-    momenta: Any
+    momenta: AnyArray
     """(6 n, m) M Phi_1 where stations share mass, or None"""
-    forces: Any
+    forces: AnyArray
     """(6 (n - 1), e) Phi_2"""
-    strains: Any
+    strains: AnyArray
     """(6 (n - 1), e) C Phi_2"""
-    twists: Any
+    twists: AnyArray
     """(6 n, 6) rigid motion by the twist of the root"""
-    twist_momenta: Any
+    twist_momenta: AnyArray
     """(6 n, 6) mass matrix times that rigid motion"""
-    lengths: Any
+    lengths: AnyArray
     """(n - 1,) lengths of the segments"""
-    directions: Any
+    directions: AnyArray
     """(n - 1, 3) directions of the segments"""
-    inner: Any
+    inner: AnyArray
     """(n - 1,) station at which each segment begins"""
-    ancestors: Any
+    ancestors: AnyArray
     """(levels, n) the ancestors 1, 2, 4, .. segments nearer the root"""
-    decay: Any
+    decay: AnyArray
     """(m,) or (m, m) alpha of Rayleigh damping on velocities, 1/s"""
-    retardation: Any
+    retardation: AnyArray
     """(e,) or (e, e) retardation times, s: viscous force = these times multiplied by the elastic force of
     strain rates"""
     is_chain: bool = field(metadata={"static": True})
@@ -78,10 +78,10 @@ class LineState:
     position : (3,)     position of the root, global
     """
 
-    q1: Any
-    q2: Any
-    quaternion: Any
-    position: Any
+    q1: AnyArray
+    q2: AnyArray
+    quaternion: AnyArray
+    position: AnyArray
 
 
 def line_model(

@@ -139,15 +139,13 @@ class LineStatics(SteadyEquations):
         The constraint equations include the motions that the support of a root fixes.
         """
         linear, arrays = self._small_motions(state), self.machine.arrays
-        nb = len(arrays.model.sizes) - arrays.n_coupled
         axes = np.eye(arrays.n_floating)
-        for own, rotation in zip(
-            arrays.model.slices[:nb], np.asarray(state.configuration.floating.rotations), strict=False
-        ):
+        rotations = np.asarray(state.configuration.floating.rotations)[: arrays.n_bodies]
+        for own, rotation in zip(arrays.model.slices[: arrays.n_bodies], rotations, strict=True):
             axes[own.start : own.start + 3, own.start : own.start + 3] = rotation
         parts = [
             body_of(placed).freedoms(np.asarray(own.q2))
-            for placed, own in zip(self._lines, state.configuration.lines, strict=True)
+            for placed, own in zip(self.machine.lines, state.configuration.lines, strict=True)
         ]
         # After the amplitudes of each line, motions fixed by its support: rows and columns of zeros.
         chosen = _blocks(axes, *(np.eye(part.m, len(part.shapes)) for part in parts))
@@ -177,11 +175,11 @@ class LineStatics(SteadyEquations):
         """Configuration of the bodies, in their order."""
         known, first = {}, 0
         floating = configuration.floating
-        for index, placed in enumerate(self._others):
+        for index, placed in enumerate(self.machine.others):
             after = first + placed.body.n_coordinates
             own = floating.origins[index], floating.rotations[index], floating.coordinates[first:after]
             known[placed.body.name], first = own, after
-        for placed, state in zip(self._lines, configuration.lines, strict=True):
+        for placed, state in zip(self.machine.lines, configuration.lines, strict=True):
             body = body_of(placed)
             rotation = np.asarray(rotation_of(state.quaternion))
             origin = np.asarray(state.position) - rotation @ body.line.tree.points[0]
@@ -197,7 +195,7 @@ class LineStatics(SteadyEquations):
         found = steady(*self._terms, state.configuration)
         now, rates, velocities = jax.tree.map(lambda leaf: np.asarray(leaf)[None], found)
         statistics = Statistics(iterations=iterations)
-        if self._supported:
+        if not is_joined(self.machine.system):
             system = self.machine.system
             roots = tuple(supported_root(system, placed) for placed in system.bodies)
             machine = MachineOfLines(system, arrays.line_system, found[0].lines, roots)
@@ -206,23 +204,11 @@ class LineStatics(SteadyEquations):
         machine, multipliers = self.machine._replace(arrays=arrays), np.asarray(state.multipliers)[None]
         return joined_solution(machine, now, velocities, rates, multipliers, statistics)
 
-    @property
-    def _supported(self) -> bool:
-        return not is_joined(self.machine.system)
-
-    @property
-    def _lines(self) -> tuple[Placed, ...]:
-        return self.machine.lines
-
-    @property
-    def _others(self) -> list[Placed]:
-        return [placed for placed in self.machine.system.bodies if placed not in self._lines]
-
     @cached_property
     def _order(self) -> np.ndarray:
         """Permutation of motions: from floating bodies, then lines, to the bodies in their order."""
         starts, first = {}, 0
-        for placed in (*self._others, *self._lines):
+        for placed in (*self.machine.others, *self.machine.lines):
             starts[placed.body.name] = np.arange(first, first + 6 + placed.body.n_coordinates)
             first += 6 + placed.body.n_coordinates
         return np.concatenate([starts[placed.body.name] for placed in self.machine.system.bodies])
@@ -232,7 +218,7 @@ class LineStatics(SteadyEquations):
         """Arrays of the machine with its rotating drives, and its steady rotation, floating bodies first."""
         arrays, time = self.machine.arrays, float(self.begin.time)
         names = [placed.body.name for placed in self.machine.system.bodies]
-        order = [names.index(placed.body.name) for placed in (*self._others, *self._lines)]
+        order = [names.index(placed.body.name) for placed in (*self.machine.others, *self.machine.lines)]
         turning = self.turning
         if turning is not None:
             turning = turning._replace(angular_velocities=np.asarray(turning.angular_velocities)[order])
@@ -241,7 +227,11 @@ class LineStatics(SteadyEquations):
         drives = tuple(
             _steady_drive(placed, drive, np.asarray(state.position), w, point, time)
             for placed, drive, state, w in zip(
-                self._lines, arrays.drives, self.begin.lines, rates[len(self._others) :], strict=True
+                self.machine.lines,
+                arrays.drives,
+                self.begin.lines,
+                rates[len(self.machine.others) :],
+                strict=True,
             )
         )
         return replace(arrays, drives=drives), turning

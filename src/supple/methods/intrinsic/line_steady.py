@@ -18,7 +18,7 @@ gyroscopic terms, and M. They are exact for the equations of the time integratio
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -27,6 +27,7 @@ import numpy as np
 from supple.equations.balance import balance
 from supple.equations.compiler_options import STARTING
 from supple.equations.joint_force import constraints
+from supple.equations.places import AnyArray
 from supple.equations.steady_motion import SteadyRotation
 from supple.methods.intrinsic.joined_equations import (
     JoinedInstant,
@@ -34,9 +35,9 @@ from supple.methods.intrinsic.joined_equations import (
     all_velocities,
     motion_residuals,
     moved_instant,
+    on_amplitudes,
     seen_motion,
     shape_rates,
-    station_twists,
 )
 from supple.methods.intrinsic.joined_machine import JoinedArrays
 from supple.methods.intrinsic.joined_start import velocity_metric
@@ -62,18 +63,18 @@ class Unbalanced(NamedTuple):
     gaps : (m,)             residuals of the joints
     """
 
-    residual: Any
-    terms: Any
-    gaps: Any
+    residual: AnyArray
+    terms: AnyArray
+    gaps: AnyArray
 
 
 class LineSmallMotions(NamedTuple):
     """`M y'' + C y' + K y + G^T l = 0`, `G y = 0`, with multipliers l; translations along global axes."""
 
-    mass: Any
-    damping: Any
-    stiffness: Any
-    jacobian: Any
+    mass: AnyArray
+    damping: AnyArray
+    stiffness: AnyArray
+    jacobian: AnyArray
 
 
 def _parts(arrays: JoinedArrays, y: jax.Array) -> tuple[jax.Array, list[jax.Array]]:
@@ -117,7 +118,7 @@ def _turning_lines(
 ) -> tuple[jax.Array, ...]:
     if turning is None:
         return tuple(jnp.zeros_like(state.q1) for state in now.lines)
-    rates = turning.angular_velocities[len(arrays.model.sizes) - arrays.n_coupled :]
+    rates = turning.angular_velocities[arrays.n_bodies :]
     return tuple(
         _turning_line(model, None if drive is None else drive.twist(now.time), state, w, turning.point)
         for model, drive, state, w in zip(arrays.lines, arrays.drives, now.lines, rates, strict=True)
@@ -128,7 +129,7 @@ def _turning_frames(
     arrays: JoinedArrays, turning: SteadyRotation | None, now: JoinedInstant, dy: jax.Array, ddy: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
     """Velocities and accelerations (n,) of the floating bodies in steady rotation."""
-    nb = len(arrays.model.sizes) - arrays.n_coupled
+    nb = arrays.n_bodies
     if turning is None or not nb:
         return dy, ddy
     places = np.array(arrays.model.frames.starts[:nb])[:, None] + np.arange(3)
@@ -141,7 +142,12 @@ def _turning_frames(
 
 
 def _near(
-    arrays: JoinedArrays, turning: SteadyRotation | None, at: JoinedInstant, y: Any, dy: Any, ddy: Any
+    arrays: JoinedArrays,
+    turning: SteadyRotation | None,
+    at: JoinedInstant,
+    y: AnyArray,
+    dy: AnyArray,
+    ddy: AnyArray,
 ) -> tuple[JoinedInstant, JoinedRates]:
     """The machine displaced by y, with rates y' and y'' relative to rotating axes."""
     now = _moved_by(arrays, at, y)
@@ -174,13 +180,12 @@ def _unbalanced(
     now, rates = _near(arrays, turning, at, none, none, none)
     residual = _residual(arrays, now, rates, multipliers)
     terms = balance(arrays.model, seen_motion(arrays, now, rates, multipliers))
-    amplitudes = tuple(state.q1 for state in now.lines)
-    _, back = jax.vjp(lambda q1: station_twists(arrays, now.lines, q1), amplitudes)
+    back = on_amplitudes(arrays, now.lines)
     roots = tuple(None if drive is None else drive.twist(now.time) for drive in arrays.drives)
     wrenches = system_wrenches(arrays.line_system, now.lines, now.time, roots)
     columns = []
     for model, state, wrench, pushed, pulled in zip(
-        arrays.lines, now.lines, wrenches, back(terms.applied[n:])[0], back(terms.joint[n:])[0], strict=True
+        arrays.lines, now.lines, wrenches, back(terms.applied[n:]), back(terms.joint[n:]), strict=True
     ):
         spread = 0.0 if wrench is None else wrench.reshape(-1) @ model.velocities
         internal = jnp.concatenate([jnp.zeros(model.n_rigid), -model.omega * state.q2])

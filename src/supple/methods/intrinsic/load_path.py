@@ -38,7 +38,6 @@ class StationPlan(Protocol):
 
     def stations(self, body: FlexibleBody) -> BodyStations:
         """The stations, the root first."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -146,9 +146,6 @@ def _rigid_inertia(mass: CellMass, arms: Array) -> Array:
     if mass.rotary is not None:
         result[:, 3:, 3:] += mass.rotary.sum(axis=(1, 2))[:, None, None] * eye
     if mass.coupled is not None:
-        rigid = np.zeros((*arms.shape[:2], 6, 6))
-        rigid[:] = np.eye(6)
-        rigid[:, :, :3, 3:] = -cross_matrices(arms.reshape(-1, 3)).reshape(*arms.shape[:2], 3, 3)
-        rigid = rigid.reshape(len(arms), -1, 6)
+        rigid = nodal_rigid_modes(arms.reshape(-1, 3), 6).reshape(len(arms), -1, 6)
         result += rigid.swapaxes(1, 2) @ mass.coupled @ rigid
     return result

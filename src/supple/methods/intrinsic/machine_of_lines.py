@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -14,6 +13,7 @@ import numpy as np
 from supple.algebra.cross import cross_matrices, cross_matrix
 from supple.algebra.rotation import euler_parameters
 from supple.equations.compiler_options import STARTING
+from supple.equations.places import AnyArray
 from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import Placed, System
@@ -22,7 +22,7 @@ from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import LineSystem, RootDrive, States, reactions
-from supple.methods.intrinsic.machine_loads import machine_loads
+from supple.methods.intrinsic.station_loads import machine_loads
 from supple.methods.intrinsic.strain_integration import rotation_of, station_places
 from supple.methods.intrinsic.supported_root import SupportedRoot, is_joined, supported_root
 from supple.programs.program_cache import CachedProgram
@@ -30,7 +30,6 @@ from supple.programs.program_cache import CachedProgram
 __all__ = [
     "MachineOfLines",
     "amplitudes_of",
-    "check_held_by_ground",
     "frame_to_root",
     "line_motion",
     "line_start",
@@ -126,8 +125,19 @@ class MachineOfLines:
 
 
 def machine_of_lines(system: System, time: float) -> MachineOfLines:
-    """Lines, loads and initial states of a machine; ModelError for features that lines do not support."""
-    check_held_by_ground(system)
+    """Lines, loads and initial states of a machine.
+
+    Raises ModelError unless each body is an intrinsic one whose root is free or supported by the ground.
+    """
+    for placed in system.bodies:
+        body_of(placed)
+    if is_joined(system):
+        raise ModelError(
+            "this analysis supports only intrinsic bodies whose root is free or supported by one joint to "
+            "the ground. The machine also has a joint between two bodies, a joint on a released body, "
+            "friction that depends on a joint force, or a controller. Use a time integration instead, with "
+            "damping to reach equilibrium"
+        )
     roots = tuple(supported_root(system, placed) for placed in system.bodies)
     lines = LineSystem(
         tuple(body_of(placed).model for placed in system.bodies),
@@ -138,19 +148,6 @@ def machine_of_lines(system: System, time: float) -> MachineOfLines:
         line_start(placed, root.drive, time) for placed, root in zip(system.bodies, roots, strict=True)
     )
     return MachineOfLines(system, lines, start, roots)
-
-
-def check_held_by_ground(system: System) -> None:
-    """Raise ModelError unless each body is an intrinsic one whose root is free or supported by the ground."""
-    for placed in system.bodies:
-        body_of(placed)
-    if is_joined(system):
-        raise ModelError(
-            "this analysis supports only intrinsic bodies whose root is free or supported by one joint to "
-            "the ground. The machine also has a joint between two bodies, a joint on a released body, "
-            "friction that depends on a joint force, or a controller. Use a time integration instead, with "
-            "damping to reach equilibrium"
-        )
 
 
 def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineState:
@@ -265,7 +262,7 @@ def _places_from_root(model: LineModel, q2: jax.Array) -> tuple[jax.Array, jax.A
 
 
 def line_motion(
-    placed: Placed, model: LineModel, drive: RootDrive | None, state: LineState, rate: Any, times: Array
+    placed: Placed, model: LineModel, drive: RootDrive | None, state: LineState, rate: AnyArray, times: Array
 ) -> IntrinsicMotion:
     """The motion of a body from states of its line and their rates q_1' (leading axis: time)."""
     body = body_of(placed)
@@ -291,11 +288,11 @@ def line_motion(
 
 
 def _roots_over_time(
-    model: LineModel, drive: RootDrive | None, states: LineState, rates: Any, times: Any
-) -> Any:
+    model: LineModel, drive: RootDrive | None, states: LineState, rates: jax.Array, times: jax.Array
+) -> tuple[jax.Array, ...]:
     """Rotations, positions and twists of a root, and the rates of the twists."""
 
-    def at(state: LineState, rate: Any, time: Any) -> Any:
+    def at(state: LineState, rate: jax.Array, time: jax.Array) -> tuple[jax.Array, ...]:
         twist, faster = model.velocities[:6] @ state.q1, model.velocities[:6] @ rate
         if drive is None:
             return rotation_of(state.quaternion), state.position, twist, faster

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache, partial
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import jax
 import jax.numpy as jnp
+from jax.tree_util import PyTreeDef
 
+from supple.equations.places import AnyArray
 from supple.integrate import RungeKutta4
 from supple.methods.intrinsic.line_equations import RootTwist, line_rates, station_velocities
 from supple.methods.intrinsic.line_march import LineMarchState, Stepping, march_lines, runge_kutta_step
@@ -29,7 +31,7 @@ Axes: TypeAlias = tuple[int | None, ...]
 
 
 @lru_cache(maxsize=32)
-def march_of_cases(structure: Any, axes: Axes, stepping: Stepping) -> Callable[..., LineMarchState]:
+def march_of_cases(structure: PyTreeDef, axes: Axes, stepping: Stepping) -> Callable[..., LineMarchState]:
     """Compiled time integration of k cases for one pattern of shared data.
 
     structure : tree structure of a `LineSystem`;  axes : batch axes of its leaves
@@ -41,27 +43,29 @@ def march_of_cases(structure: Any, axes: Axes, stepping: Stepping) -> Callable[.
     if isinstance(stepping.rule, RungeKutta4) and 0 not in of_lines:
         return jax.jit(partial(_together, structure, axes, stepping.n_steps))
 
-    def one(own: list[Any], start: LineMarchState, times: jax.Array, tolerance: Any) -> LineMarchState:
+    def one(
+        own: list[AnyArray], start: LineMarchState, times: jax.Array, tolerance: AnyArray
+    ) -> LineMarchState:
         return march_lines(stepping, jax.tree.unflatten(structure, own), start, times, tolerance)
 
     return jax.jit(jax.vmap(one, in_axes=(list(axes), 0, None, None)))
 
 
 def _together(
-    structure: Any,
+    structure: PyTreeDef,
     axes: Axes,
     n_steps: int,
-    leaves: list[Any],
+    leaves: list[AnyArray],
     starts: LineMarchState,
     times: jax.Array,
-    _: Any,
+    _: AnyArray,
 ) -> LineMarchState:
     """Runge-Kutta integration with cases on the last axis; all share the lines and the initial time."""
     lines = jax.tree.unflatten(structure, leaves).lines
     of_roots = jax.vmap(partial(_roots, structure), in_axes=(list(axes), None, -1), out_axes=-1)
     of_loads = jax.vmap(partial(_wrenches, structure), in_axes=(list(axes), None, -1), out_axes=-1)
 
-    def rates(time: Any, states: States) -> States:
+    def rates(time: AnyArray, states: States) -> States:
         roots = of_roots(leaves, time, states)
         motions = [
             MovingStations(
@@ -76,7 +80,7 @@ def _together(
             for model, state, root, wrench in each
         )
 
-    def to_output(now: tuple[Any, States], end: jax.Array) -> tuple[tuple[Any, States], States]:
+    def to_output(now: tuple[AnyArray, States], end: jax.Array) -> tuple[tuple[AnyArray, States], States]:
         begin, first = now
         h = (end - begin) / n_steps
 
@@ -104,7 +108,7 @@ class _Root(NamedTuple):
     turning: tuple[jax.Array, jax.Array]
 
 
-def _roots(structure: Any, leaves: list[Any], time: Any, states: States) -> list[_Root]:
+def _roots(structure: PyTreeDef, leaves: list[AnyArray], time: AnyArray, states: States) -> list[_Root]:
     """Roots of one case."""
     system: LineSystem = jax.tree.unflatten(structure, leaves)
     return [
@@ -118,7 +122,7 @@ def _roots(structure: Any, leaves: list[Any], time: Any, states: States) -> list
 
 
 def _wrenches(
-    structure: Any, leaves: list[Any], time: Any, motions: list[MovingStations]
+    structure: PyTreeDef, leaves: list[AnyArray], time: AnyArray, motions: list[MovingStations]
 ) -> list[jax.Array | None]:
     """Wrenches on the stations of one case."""
     return wrenches_on(jax.tree.unflatten(structure, leaves).loads, motions, time)

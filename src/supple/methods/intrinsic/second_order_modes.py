@@ -91,13 +91,8 @@ def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
     for a in range(middle.shape[2]):
         v, w = middle[:, :3, a, None], middle[:, 3:, a, None]
         gamma, kappa = strains[:, :3], strains[:, 3:]
-        turned = -np.concatenate(
-            [
-                np.cross(w, gamma, axis=1) + np.cross(v, kappa, axis=1),
-                np.cross(w, kappa, axis=1),
-            ],
-            axis=1,
-        )
+        sheared = np.cross(w, gamma, axis=1) + np.cross(v, kappa, axis=1)
+        turned = -np.concatenate([sheared, np.cross(w, kappa, axis=1)], axis=1)
         moved = sizes @ (left_out @ turned.reshape(-1, n_lowest) / omega[n_lowest:, None])
         gram += moved @ moved.T
     squares, directions = np.linalg.eigh(gram)

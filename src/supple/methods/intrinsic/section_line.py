@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from supple.algebra.cross import cross_matrices
 from supple.arguments import checked_arguments
+from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError
 from supple.importers import SectionTable
 from supple.methods.intrinsic.condensed_line import CondensedLine, condensed_line
@@ -57,7 +57,7 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
     turned[:, :3, :3] = turned[:, 3:, 3:] = axes.swapaxes(1, 2)
 
     middles = 0.5 * (points[1:] + points[:-1])
-    T = turned @ _moved(middles[segment] - places, force=True)
+    T = turned @ _moved(middles[segment] - places).swapaxes(1, 2)  # of forces: the transpose
     C = np.zeros((n_stations - 1, 6, 6))
     np.add.at(C, segment, ds[:, None, None] * (T.swapaxes(1, 2) @ np.linalg.solve(stiffness, T)))
     B = np.concatenate([-_moved(middles - points[:-1]), _moved(middles - points[1:])], axis=2)
@@ -77,12 +77,6 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
     return condensed_line(name, points, K, linalg.block_diag(*mass))
 
 
-def _moved(arms: Array, *, force: bool = False) -> Array:
-    """Map (n, 6, 6) from the motion of reference points to that of points at arms (n, 3) from them.
-
-    force : instead, the map from force and moment at the points to those at the reference points
-    """
-    result = np.tile(np.eye(6), (len(arms), 1, 1))
-    rows, columns = (slice(3, 6), slice(0, 3)) if force else (slice(0, 3), slice(3, 6))
-    result[:, rows, columns] = cross_matrices(arms) * (1 if force else -1)
-    return result
+def _moved(arms: Array) -> Array:
+    """Map (n, 6, 6) from the motion of reference points to that of points at arms (n, 3) from them."""
+    return nodal_rigid_modes(arms, 6).reshape(-1, 6, 6)

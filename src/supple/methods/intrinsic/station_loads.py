@@ -1,19 +1,50 @@
-"""Loads on the stations of lines, as functions of the stations' positions and velocities and of time."""
+"""Loads on the stations of lines, as functions of the stations' positions and velocities and of time.
+
+`machine_loads` makes them of the loads of a machine.
+"""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
-from supple.machine.pose import Pose
+from supple.equations.build_model import check_apart, initial_points
+from supple.equations.places import AnyArray
+from supple.errors import ModelError
+from supple.machine import (
+    GROUND,
+    At,
+    BaseAcceleration,
+    DeadForce,
+    FollowerForce,
+    FollowerTorque,
+    ForceElement,
+    NodalLoad,
+    Placed,
+    System,
+    TimeLaw,
+)
+from supple.machine.pose import Pose, Wrench
+from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.strain_integration import StationPlaces
+from supple.value_content import fixed_function
 
-__all__ = ["End", "Follower", "Gravity", "MovingStations", "SpreadLoad", "StationElement", "StationLoad"]
+__all__ = [
+    "End",
+    "Follower",
+    "Gravity",
+    "MovingStations",
+    "SpreadLoad",
+    "StationElement",
+    "StationLoad",
+    "machine_loads",
+]
 
 STATIC = {"static": True}
 
@@ -37,7 +68,7 @@ class StationLoad(Protocol):
         """Whether the load depends on the positions of stations."""
 
     @abstractmethod
-    def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
+    def wrenches(self, motions: Sequence[MovingStations], time: AnyArray) -> Iterator[tuple[int, jax.Array]]:
         """Number of a line and forces and moments (n, 6) on its stations, along their own axes."""
 
 
@@ -51,13 +82,13 @@ def _one(motion: MovingStations, station: jax.Array, wrench: jax.Array) -> jax.A
 class Follower:
     """A force and moment that rotate with a station: axes (6, 3) @ law(time), along its own axes."""
 
-    axes: Any
-    law: Any
-    station: Any
+    axes: AnyArray
+    law: TimeLaw
+    station: AnyArray
     line: int = field(metadata=STATIC)
     needs_places: bool = field(default=False, metadata=STATIC)
 
-    def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
+    def wrenches(self, motions: Sequence[MovingStations], time: AnyArray) -> Iterator[tuple[int, jax.Array]]:
         """Forces and moments on one station."""
         yield self.line, _one(motions[self.line], self.station, self.axes @ jnp.asarray(self.law(time)))
 
@@ -70,14 +101,14 @@ class Gravity:
     mass : (n, 6, 3)    momenta of each station at unit velocities; (6 n, 3 n) if stations share mass
     """
 
-    mass: Any
-    gravity: Any
-    base: Any
+    mass: AnyArray
+    gravity: AnyArray
+    base: TimeLaw | None
     """Law of the base's acceleration, or None"""
     line: int = field(metadata=STATIC)
     needs_places: bool = field(default=True, metadata=STATIC)
 
-    def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
+    def wrenches(self, motions: Sequence[MovingStations], time: AnyArray) -> Iterator[tuple[int, jax.Array]]:
         """M [R^T g; 0] on every station."""
         places = motions[self.line].places
         assert places is not None
@@ -98,9 +129,9 @@ class End:
     point : (3,)    position of the ground point
     """
 
-    axes: Any
-    point: Any
-    station: Any
+    axes: AnyArray
+    point: AnyArray
+    station: AnyArray
     line: int = field(metadata=STATIC)
 
     def pose(self, motions: Sequence[MovingStations]) -> Pose:
@@ -122,12 +153,12 @@ class StationElement:
     """Any force element of a machine between two ends; `function` is `wrenches` of its class."""
 
     ends: tuple[End, End]
-    law: Any
-    parameters: Any
-    function: Callable[..., Any] = field(metadata=STATIC)
+    law: TimeLaw | None
+    parameters: tuple[AnyArray, ...]
+    function: Callable[..., tuple[Wrench, Wrench]] = field(metadata=STATIC)
     needs_places: bool = field(default=True, metadata=STATIC)
 
-    def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
+    def wrenches(self, motions: Sequence[MovingStations], time: AnyArray) -> Iterator[tuple[int, jax.Array]]:
         """Forces and moments on the stations of both ends."""
         value = None if self.law is None else self.law(time)
         poses = [end.pose(motions) for end in self.ends]
@@ -151,17 +182,17 @@ class SpreadLoad:
     facets : (f, p)     points of every facet
     """
 
-    law: Any
-    stations: Any
-    weights: Any
-    arms: Any
-    facets: Any
+    law: TimeLaw
+    stations: AnyArray
+    weights: AnyArray
+    arms: AnyArray
+    facets: AnyArray
     line: int = field(metadata=STATIC)
-    facet_forces: Callable[..., Any] = field(metadata=STATIC)
+    facet_forces: Callable[..., jax.Array] = field(metadata=STATIC)
     value_rank: int = field(metadata=STATIC)
     needs_places: bool = field(default=True, metadata=STATIC)
 
-    def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
+    def wrenches(self, motions: Sequence[MovingStations], time: AnyArray) -> Iterator[tuple[int, jax.Array]]:
         """Forces and moments on the stations with the same virtual work as the forces on the points."""
         motion = motions[self.line]
         assert motion.places is not None
@@ -177,3 +208,90 @@ class SpreadLoad:
         local = (rotations * forces[:, None, :, None]).sum(axis=2) * self.weights[..., None]
         wrench = jnp.concatenate([local, jnp.cross(self.arms, local)], axis=2)
         yield self.line, jnp.zeros(motion.velocities.shape).at[self.stations].add(wrench)
+
+
+def machine_loads(system: System) -> tuple[StationLoad, ...]:
+    """The loads, and gravity, of a machine of intrinsic bodies.
+
+    Raises ModelError for two base accelerations, and for a force along a line whose ends coincide.
+    """
+    numbers = {placed.body.name: number for number, placed in enumerate(system.bodies)}
+    bases = [load.law for load in system.loads if isinstance(load, BaseAcceleration)]
+    if len(bases) > 1:
+        raise ModelError(f"only one base acceleration is supported; {len(bases)} are given: add them up")
+    found: list[StationLoad] = []
+    if system.gravity.any() or bases:
+        base = bases[0] if bases else None
+        found += [
+            Gravity(_translating_mass(body_of(placed)), system.gravity, base, number)
+            for number, placed in enumerate(system.bodies)
+        ]
+    for load in system.loads:
+        match load:
+            case BaseAcceleration():
+                pass
+            case NodalLoad():
+                found.append(_spread(system.bodies, numbers[load.body], load))
+            case FollowerForce() | FollowerTorque() if GROUND == load.second:
+                found.append(_follower(system.bodies, numbers, load))
+            case ForceElement():
+                found.append(_element(system, numbers, load))
+    return tuple(found)
+
+
+def _translating_mass(body: IntrinsicBody) -> np.ndarray:
+    """Momenta of stations in unit translations: (n, 6, 3), or (6 n, 3 n) where stations share mass."""
+    masses = body.line.station_masses
+    if masses is not None:
+        return masses[:, :, :3]
+    n = body.line.n
+    return body.line.mass.reshape(6 * n, n, 6)[:, :, :3].reshape(6 * n, 3 * n)
+
+
+def _follower(
+    bodies: Sequence[Placed], numbers: Mapping[str, int], load: FollowerForce | FollowerTorque
+) -> Follower:
+    line = numbers[load.first.body]
+    placed = bodies[line]
+    axes = np.zeros((6, 3))
+    rows = slice(0, 3) if isinstance(load, FollowerForce) else slice(3, 6)
+    axes[rows] = placed.assembly.rotation.T @ load.initial_axes
+    return Follower(axes, load.law, body_of(placed).interface(load.first.interface).number, line)
+
+
+def _element(system: System, numbers: Mapping[str, int], load: ForceElement) -> StationElement:
+    check_apart(system, load)
+    points = initial_points(system, load)
+    element = load.assembled(*points)
+
+    def end(own: At, point: np.ndarray) -> End:
+        if own == GROUND:
+            return End(element.initial_axes, point, 0, -1)
+        line = numbers[own.body]
+        placed = system.bodies[line]
+        station = body_of(placed).interface(own.interface).number
+        return End(placed.assembly.rotation.T @ element.initial_axes, np.zeros(3), station, line)
+
+    ends = end(element.first, points[0]), end(element.second, points[1])
+    return StationElement(ends, element.law, element.parameters, fixed_function(type(element).wrenches))
+
+
+def _spread(bodies: Sequence[Placed], line: int, load: NodalLoad) -> SpreadLoad:
+    body = body_of(bodies[line])
+    if load.nodes.size:
+        stations, weights = body.expansion.stations[load.nodes], body.expansion.weights[load.nodes]
+        arms = body.expansion.arms(body.line.tree)[load.nodes]
+    else:
+        assert isinstance(load, DeadForce)
+        number = body.interface(str(load.at)).number
+        stations, weights, arms = np.array([[number] * 2]), np.array([[1.0, 0.0]]), np.zeros((1, 2, 3))
+    return SpreadLoad(
+        law=load.law,
+        stations=stations,
+        weights=weights,
+        arms=arms,
+        facets=load.facets.astype(np.int32),
+        line=line,
+        facet_forces=type(load).facet_forces,
+        value_rank=len(load.value_shapes[0]),
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from supple.algebra.rotation import rotation_exp
 from supple.equations.compiler_options import STARTING
+from supple.equations.places import AnyArray
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.line_equations import force_rates, section_strains, station_velocities
 from supple.methods.intrinsic.line_model import LineModel
@@ -33,24 +34,24 @@ class StationMotion(NamedTuple):
     places: StationPlaces
     velocities: StationPlaces
     accelerations: StationPlaces
-    strain_rates: Any
-    strain_accelerations: Any
+    strain_rates: AnyArray
+    strain_accelerations: AnyArray
 
 
 class _Now(NamedTuple):
     """A line at an instant: q_1, q_2, its root, the drive's part of the root's twist, and rates."""
 
-    q1: Any
-    q2: Any
-    rotation: Any
-    position: Any
-    velocity: Any
-    acceleration: Any
-    angular_velocity: Any
-    angular_acceleration: Any
-    driven: Any
-    q1_rate: Any
-    driven_rate: Any
+    q1: AnyArray
+    q2: AnyArray
+    rotation: AnyArray
+    position: AnyArray
+    velocity: AnyArray
+    acceleration: AnyArray
+    angular_velocity: AnyArray
+    angular_acceleration: AnyArray
+    driven: AnyArray
+    q1_rate: AnyArray
+    driven_rate: AnyArray
 
 
 def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMotion) -> StationMotion:
@@ -111,7 +112,7 @@ def _driven(model: LineModel, root: Array, motion: IntrinsicMotion) -> tuple[Arr
 
 def _motion_over_time(model: LineModel, over_time: _Now) -> StationMotion:
     def at(now: _Now) -> StationMotion:
-        def strain_rate(q1: Any, q2: Any, driven: Any) -> Any:
+        def strain_rate(q1: AnyArray, q2: AnyArray, driven: AnyArray) -> AnyArray:
             x1 = station_velocities(model, q1) + (model.twists @ driven).reshape(-1, 6)
             return force_rates(model, x1, q1, section_strains(model, q2))
 
@@ -119,7 +120,7 @@ def _motion_over_time(model: LineModel, over_time: _Now) -> StationMotion:
         first = strain_rate(*here)
         second = jax.jvp(strain_rate, here, (now.q1_rate, first, now.driven_rate))[1]
 
-        def places(s: Any) -> StationPlaces:
+        def places(s: AnyArray) -> StationPlaces:
             """Positions to second order in the time s from now."""
             turn = s * now.angular_velocity + s**2 / 2 * now.angular_acceleration
             return station_places(
@@ -129,7 +130,7 @@ def _motion_over_time(model: LineModel, over_time: _Now) -> StationMotion:
                 now.position + s * now.velocity + s**2 / 2 * now.acceleration,
             )
 
-        def rates(s: Any) -> tuple[StationPlaces, StationPlaces]:
+        def rates(s: AnyArray) -> tuple[StationPlaces, StationPlaces]:
             return jax.jvp(places, (s,), (jnp.ones(()),))
 
         (where, velocities), (_, accelerations) = jax.jvp(rates, (jnp.zeros(()),), (jnp.ones(()),))

@@ -134,4 +134,5 @@ def _drive(placed: Placed, joint: Joint, screw: np.ndarray, own: object) -> Root
     sign = 1.0 if own == joint.second else -1.0
     position, rotation = placed.assembly
     root = position + rotation @ body_of(placed).line.tree.points[0]
+    assert joint.law is not None
     return RootDrive(sign * screw, joint.law, rotation, root)

@@ -1,8 +1,8 @@
-"""Truncation error: change of a motion by the omitted modes, and drift of the centre of mass."""
+"""Truncation error: change of a motion by the omitted modes, drift of the centre of mass, and warnings."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import jax
@@ -12,9 +12,10 @@ import scipy  # its parts are imported when first used
 from numpy.typing import NDArray
 
 from supple.algebra import read_only
+from supple.equations.checks.strictness import warn_or_raise
 from supple.equations.compiler_options import STARTING
-from supple.errors import ModelError
-from supple.integrate import Solution
+from supple.errors import ModelError, ValidityWarning
+from supple.integrate import ErrorPart, Run, Solution
 from supple.machine import System
 from supple.methods.intrinsic.complete_motion import complete_motion, intrinsic_of, states_of
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
@@ -37,6 +38,9 @@ STIFF = 1e-3
 
 ROUNDING = 1e-9
 """Smallest deflection relative to which changes of positions are stated, as a fraction of the length."""
+
+LARGEST = 1e-2
+"""Truncation error relative to the deflection, above which a warning is issued."""
 
 FEWEST = 5
 """Fewest output times for which the impulse of the loads is integrated; with fewer, the drift is 0."""
@@ -110,7 +114,10 @@ def truncation_error(
     check_without_controllers(system)
     by_name = {body.name: body for body in whole}
     lines = intrinsic_of(system)
-    bodies = {p.body.name: _with_whole(body_of(p), by_name.get(p.body.name)) for p in lines}
+    bodies = {placed.body.name: body_of(placed) for placed in lines}
+    for name, own in bodies.items():
+        if name in by_name and by_name[name].n_coordinates > own.n_coordinates:
+            bodies[name] = replace(own, complete=by_name[name])
     few = [body for body in bodies.values() if body.complete is not None]
     if not few:
         raise ModelError(
@@ -219,10 +226,6 @@ def check_without_controllers(system: System) -> None:
         )
 
 
-def _with_whole(own: IntrinsicBody, given: IntrinsicBody | None) -> IntrinsicBody:
-    return own if given is None or given.n_coordinates <= own.n_coordinates else replace(own, complete=given)
-
-
 def _share(change: Array, amplitudes: Array) -> Array:
     largest = np.linalg.norm(amplitudes, axis=1).max(initial=0.0)
     return read_only(np.linalg.norm(change, axis=1) / (largest or 1.0))
@@ -235,3 +238,82 @@ def _deflection(body: IntrinsicBody, solution: Solution) -> float:
     seen = np.einsum("tij,tni->tnj", motion.rotation, positions - positions[:, :1])
     rest = body.line.tree.points - body.line.tree.points[0]
     return float(np.linalg.norm(seen - rest, axis=2).max(initial=0.0))
+
+
+def truncation_parts(system: System, solution: Solution) -> Mapping[str, ErrorPart]:
+    """Truncation part of the error, by body: that of the run, or computed if the run has none."""
+    return solution.truncation or {name: _part(each) for name, each in _errors(system, solution).items()}
+
+
+def report_truncation(system: System, run: Run, solution: Solution) -> Solution:
+    """The solution with `truncation`, the part of its error due to omitted modes.
+
+    Warns (ValidityWarning; an error in a strict run) of bodies with a truncation error above 1 % of the
+    deflection.
+    """
+    errors = _errors(system, solution)
+    for name, error in errors.items():
+        _warn(system, run, name, error)
+    return replace(solution, truncation={name: _part(error) for name, error in errors.items()})
+
+
+def report_truncation_of_cases(cases: Sequence[System], run: Run, solutions: Sequence[Solution]) -> None:
+    """Warn about the largest truncation error of a batch, with each body in its most strained case."""
+    finished = [number for number, solution in enumerate(solutions) if solution.stopped is None]
+    if not finished:
+        return
+    found: dict[int, dict[str, TruncationError]] = {}
+    worst: tuple[float, int, str] | None = None
+    for placed in intrinsic_of(cases[0]):
+        name = placed.body.name
+        number = max(finished, key=lambda n, name=name: _strain(cases[n], solutions[n], name))
+        if number not in found:
+            found[number] = _errors(cases[number], solutions[number])
+        if name in found[number]:
+            worst = max(worst or (0.0, 0, ""), (found[number][name].largest, number, name))
+    if worst is not None:
+        _, number, name = worst
+        _warn(cases[number], run, name, found[number][name], where=f"case {number}: ")
+
+
+def _strain(system: System, solution: Solution, name: str) -> float:
+    """Square root of twice the largest strain energy of a body in a run."""
+    body = body_of(system.bodies[system.body_index(name)])
+    forces = body.forces_of(solution.motion(name, IntrinsicMotion).coordinates)
+    return float(np.linalg.norm(forces, axis=1).max(initial=0.0))
+
+
+def _errors(system: System, solution: Solution) -> dict[str, TruncationError]:
+    """`truncation_error` of the bodies with omitted modes; none for machines with controllers."""
+    few = any(body_of(placed).complete is not None for placed in intrinsic_of(system))
+    known = not is_joined(system) or all(joint.name in solution.multipliers for joint in system.joints)
+    estimated = few and known and not system.controllers and solution.stopped is None
+    return truncation_error(system, solution) if estimated else {}
+
+
+def _warn(system: System, run: Run, name: str, error: TruncationError, where: str = "") -> None:
+    if error.largest <= LARGEST:
+        return
+    body = system.bodies[system.body_index(name)].body
+    why = (
+        f"its centre of mass drifts by {error.drift:.2g} from the path due to its loads"
+        if error.drifts
+        else f"with all modes its stations would move by {max(error.places):.2g} (RMS)"
+    )
+    warn_or_raise(
+        f"{where}body '{name}': {body.n_coordinates} modes are too few: {why}, which is {error.largest:.1%} "
+        "of its deflection. Keep more modes, or omit their number: then all modes are kept, or as many as a "
+        "given accuracy needs",
+        ValidityWarning,
+        run.validity,
+    )
+
+
+def _part(error: TruncationError) -> ErrorPart:
+    return ErrorPart(
+        max(error.drift, *error.places),
+        "drift of the centre of mass"
+        if error.drifts
+        else "omitted modes follow the motion statically, at a few instants",
+        "keep more modes",
+    )
