@@ -112,7 +112,9 @@ def system_wrenches(
         return [None] * len(system.drives)
     need_places = any(load.needs_places for load in system.loads)
 
-    def moving(model: LineModel, drive: Any, state: LineState, root: RootTwist | None) -> MovingStations:
+    def moving(
+        model: LineModel, drive: RootDrive | None, state: LineState, root: RootTwist | None
+    ) -> MovingStations:
         places = places_of(model, drive, state, time) if need_places else None
         return MovingStations(places, station_velocities(model, state.q1, root))
 

@@ -256,7 +256,9 @@ def _follower(
     axes = np.zeros((6, 3))
     rows = slice(0, 3) if isinstance(load, FollowerForce) else slice(3, 6)
     axes[rows] = placed.assembly.rotation.T @ load.initial_axes
-    return Follower(axes, load.law, body_of(placed).interface(load.first.interface).number, line)
+    law = load.law
+    assert law is not None
+    return Follower(axes, law, body_of(placed).interface(load.first.interface).number, line)
 
 
 def _element(system: System, numbers: Mapping[str, int], load: ForceElement) -> StationElement:
