@@ -20,8 +20,8 @@ from supple.reduction import NoLoads, reduce
 from supple.simulation import simulate
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES
 from supple_benchmarks.blade.reduced_run import FixedBasis, bases_of
+from supple_benchmarks.compared_models import FRAMES
 from supple_benchmarks.nrel5mw_blade import (
-    FRAMES,
     RATED,
     Blade,
     TipMotion,

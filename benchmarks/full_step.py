@@ -27,13 +27,12 @@ from supple.machine import System
 from supple.methods.floating import FullEngine
 from supple.methods.floating.full.implicit_step import ImplicitStep
 from supple.methods.floating.full.newton import NewtonIteration, exact_newton, modified_newton
-from supple.methods.floating.full.predictor import unknowns_of
 from supple.storage import write_json
+from supple_benchmarks.compared_models import FRAMES
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.nrel5mw_blade import (
     BODY,
     COARSE_GRID,
-    FRAMES,
     RATED,
     Blade,
     blade_damping,
@@ -103,10 +102,10 @@ def parts_of(system: System, last: Solution) -> list[dict[str, Any]]:
     state = engine.resumed(last).state
     rule = StepRule(GeneralizedAlpha().coefficients, STEP)
     step = ImplicitStep(engine.machine, state, STEP, rule, run.tolerances)
-    at = step.at(unknowns_of(state))
+    at = step.at(state.unknowns)
     kept = step.tangent(at, symmetric=True)
     work = {
-        "evaluation of the equations": lambda: step.at(unknowns_of(state)),
+        "evaluation of the equations": lambda: step.at(state.unknowns),
         "symmetric tangent, assembled and factored": lambda: step.tangent(at, symmetric=True),
         "iteration with a kept tangent": lambda: step.corrected(at, kept, trusted=True),
         "iteration with the exact tangent": lambda: step.corrected(at, None, trusted=True),

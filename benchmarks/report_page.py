@@ -19,7 +19,6 @@ import numpy as np
 from measure import keep, measured
 
 from supple.cases.result_machine import result_machine
-from supple.cases.run_page import page_looks
 from supple.mesh import skin_of, strip
 from supple.mesh.feature_edges import feature_edges
 from supple.quantities import deflections, observer_of
@@ -38,7 +37,7 @@ CELLS, MODES, INSTANTS, SAMPLED = 200, 50, 1000, 50
 def blade(result: Path, page: Path) -> dict[str, Any]:
     """The page of a run on disk."""
     found = result_machine(result)
-    solution, looks = read_solution(result), page_looks(found.case)
+    solution, looks = read_solution(result), found.case.page_looks
     cost, _ = measured(lambda: write_report(page, found.system, solution, looks, bases=found.case.bases), 3)
     body, part = found.system.placed("blade").body, solution.at(np.arange(0, len(solution.times), SAMPLED))
     drawn = moving_body(found.system, part, body, looks["blade"], colourings={}, bases=found.case.bases)
