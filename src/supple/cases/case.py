@@ -310,6 +310,17 @@ class Case:
     def _quantity(self, table: OfInterest) -> QuantityOfInterest:
         return table.quantity(self.place, self.elements)
 
+    def named_elements(self, system: System) -> dict[str, ForceElement]:
+        """The springs and force elements of the case that have a name, in its machine, by name."""
+        # Friction of joints follows the elements in the loads, and has no name.
+        tables = (*self.parts.spring, *self.parts.element)
+        named = zip(tables, system.loads[len(self.parts.load) :], strict=False)
+        return {
+            table.name: element
+            for table, element in named
+            if table.name is not None and isinstance(element, ForceElement)
+        }
+
     @cached_property
     def sensors(self) -> tuple[Quantity, ...]:
         """The sensors, which are evaluated after the run.
@@ -318,15 +329,7 @@ class Case:
         ------
         CaseError   as for `sources`; errors of sensors, each with its line
         """
-        # Friction of joints follows the elements in the loads, and has no name.
-        tables = (*self.parts.spring, *self.parts.element)
-        named = zip(tables, self.system.loads[len(self.parts.load) :], strict=False)
-        springs = {
-            table.name: spring
-            for table, spring in named
-            if table.name is not None and isinstance(spring, ForceElement)
-        }
-        sensed = SensedCase(self.place, self.bases, self.elements, springs)
+        sensed = SensedCase(self.place, self.bases, self.elements, self.named_elements(self.system))
         made, mistakes = [], []
         for number, table in enumerate(self.parts.sensor):
             try:

@@ -205,7 +205,11 @@ def _joints_suit_the_supports(raw: Raw) -> Mistakes:
         # A free root needs no joint; the schema reports an unknown support.
         if str(given.get("support", "clamped")) not in _HELD_BY:
             continue
-        joints = [(at, own) for at, own in tables(raw, "joint") if name in map(_body, _ends(own))]
+        joints = [
+            (at, own)
+            for at, own in tables(raw, "joint")
+            if any(end.startswith(f"{name}.") for end in _ends(own))
+        ]
         remedy = (
             f'set released = true in its condense; support = "{given.get("support", "clamped")}" may stay'
         )
@@ -234,10 +238,6 @@ def _joints_suit_the_supports(raw: Raw) -> Mistakes:
 
 def _ends(joint: Raw) -> list[str]:
     return [end for end in (joint.get("first"), joint.get("second")) if isinstance(end, str)]
-
-
-def _body(end: str) -> str:
-    return end.partition(".")[0]
 
 
 def _marches_in_fixed_steps(raw: Raw) -> Mistakes:

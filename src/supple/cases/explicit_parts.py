@@ -62,24 +62,17 @@ class ModalPart(CheckedTable):
         )
 
 
-class StVenantKirchhoffLaw(CheckedTable):
-    """Elastic, linear in the Green-Lagrange strain: for small strains."""
+class ElasticLaw(CheckedTable):
+    """Elastic: st-venant-kirchhoff, linear in the Green-Lagrange strain, is for small strains.
 
-    kind: Literal["st-venant-kirchhoff"]
+    neo-hookean is for large strains, and resists the inversion of elements.
+    """
 
-    def build(self, elastic: Isotropic) -> Law:
-        """The law with the elastic constants of a material."""
-        return StVenantKirchhoff(elastic)
-
-
-class NeoHookeanLaw(CheckedTable):
-    """Elastic, for large strains; resists the inversion of elements."""
-
-    kind: Literal["neo-hookean"]
+    kind: Literal["st-venant-kirchhoff", "neo-hookean"]
 
     def build(self, elastic: Isotropic) -> Law:
         """The law with the elastic constants of a material."""
-        return NeoHookean(elastic)
+        return StVenantKirchhoff(elastic) if self.kind == "st-venant-kirchhoff" else NeoHookean(elastic)
 
 
 class J2Law(CheckedTable):
@@ -100,7 +93,7 @@ class J2Law(CheckedTable):
         return J2Plasticity(elastic, LinearHardening(self.yield_stress, self.modulus or 0.0))
 
 
-MaterialLaw = Annotated[StVenantKirchhoffLaw | NeoHookeanLaw | J2Law, Field(discriminator="kind")]
+MaterialLaw = Annotated[ElasticLaw | J2Law, Field(discriminator="kind")]
 
 
 class Viscosity(CheckedTable):
@@ -117,9 +110,7 @@ class Viscosity(CheckedTable):
 class ExplicitPart(CheckedTable):
     """Nonlinear finite elements."""
 
-    law: MaterialLaw = Field(
-        default=StVenantKirchhoffLaw(kind="st-venant-kirchhoff"), description="constitutive law"
-    )
+    law: MaterialLaw = Field(default=ElasticLaw(kind="st-venant-kirchhoff"), description="constitutive law")
     hourglass: float = Field(
         0.01, ge=0.0, le=1.0, description="hourglass stiffness of hexahedra relative to stretching"
     )

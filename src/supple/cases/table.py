@@ -135,17 +135,15 @@ def _planned(
         description = own.description or (descriptions.get(name) if own.type is None else None)
         if default is inspect.Parameter.empty:
             default = ...
-        elif not (default is ... or isinstance(default, str | int | tuple | Made) or _is_finite(default)):
-            kind, default = (
-                kind | None,
-                None,
-            )  # not possible in a file: the class's own default applies
+        elif not (
+            default is ...
+            or isinstance(default, str | int | tuple | Made)
+            or (isinstance(default, float) and math.isfinite(default))
+        ):
+            # Not possible in a file: the class's own default applies.
+            kind, default = kind | None, None
         fields[key] = (kind, Field(default, description=description))
     return Plan(makes, plan)
-
-
-def _is_finite(default: Any) -> bool:
-    return isinstance(default, float) and math.isfinite(default)
 
 
 @cache

@@ -216,13 +216,7 @@ def _parameters(case: Case, system: System, inputs: Sequence[str]) -> MachinePar
 
 def _elements(case: Case, system: System) -> dict[str, Driven]:
     """Joints, and springs and elements that have a name."""
-    tables = (*case.parts.spring, *case.parts.element)
-    named = zip(tables, system.loads[len(case.parts.load) :], strict=False)
-    return {joint.name: joint for joint in system.joints} | {
-        table.name: element
-        for table, element in named
-        if table.name is not None and isinstance(element, ForceElement)
-    }
+    return {joint.name: joint for joint in system.joints} | case.named_elements(system)
 
 
 def _unit(case: Case, element: Driven) -> str:
