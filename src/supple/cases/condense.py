@@ -208,7 +208,7 @@ def _joints_suit_the_supports(raw: Raw) -> Mistakes:
         joints = [
             (at, own)
             for at, own in tables(raw, "joint")
-            if any(end.startswith(f"{name}.") for end in _ends(own))
+            if name in [end.partition(".")[0] for end in _ends(own)]
         ]
         remedy = (
             f'set released = true in its condense; support = "{given.get("support", "clamped")}" may stay'
