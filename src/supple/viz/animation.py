@@ -93,10 +93,8 @@ def animate(
     ResultFileError         the file cannot be written
     """
     check_film(path, frames_per_second)
-    _check(times, positions, skin, values)
-    _check_glyphs(glyphs, skin, len(times))
     traces = traces or _NO_TRACES
-    _check_traces(traces)
+    _check(times, positions, skin, values, glyphs, traces)
     if values_label and values is None:
         raise ModelError(f"cannot draw a colour bar of '{values_label}': give the values")
     rate = played_rate(path, frames_per_second)
@@ -149,25 +147,14 @@ def _digits(times: Array) -> int:
     return max(2, int(np.ceil(-np.log10(step)))) if step > 0.0 else 2
 
 
-def _check_traces(traces: Traces) -> None:
-    times, points = traces
-    if points.ndim != 3 or points.shape[::2] != (len(times), 3) or not np.isfinite(points).all():
-        raise ModelError(
-            f"cannot trace points of shape {points.shape} at {len(times)} times: "
-            "give finite points (s, k, 3) and times (s,)"
-        )
-    if np.any(np.diff(times) < 0):
-        raise ModelError("cannot trace points at times that do not ascend: sort them")
-
-
-def _check_glyphs(glyphs: Glyphs | None, skin: Skin | None, n_times: int) -> None:
-    if skin is None and (glyphs is None or glyphs.is_empty):
-        raise ModelError("nothing to animate: give a skin, or glyphs")
-    if glyphs is not None and len(glyphs.lines) != n_times:
-        raise ModelError(f"cannot animate: glyphs at {len(glyphs.lines)} times, positions at {n_times}")
-
-
-def _check(times: Array, positions: Array, skin: Skin | None, values: Array | None) -> None:
+def _check(
+    times: Array,
+    positions: Array,
+    skin: Skin | None,
+    values: Array | None,
+    glyphs: Glyphs | None,
+    traces: Traces,
+) -> None:
     if positions.ndim != 3 or len(positions) != len(times) or not len(times):
         raise ModelError(
             f"cannot animate positions of shape {np.shape(positions)} at {len(times)} times: "
@@ -176,6 +163,8 @@ def _check(times: Array, positions: Array, skin: Skin | None, values: Array | No
     if skin is not None:
         for frame in positions:
             check_positions(frame, skin)
+    elif glyphs is None or glyphs.is_empty:
+        raise ModelError("nothing to animate: give a skin, or glyphs")
     if values is not None and (
         values.shape != positions.shape[:2] or np.isinf(values).any() or np.isnan(values).all()
     ):
@@ -183,3 +172,13 @@ def _check(times: Array, positions: Array, skin: Skin | None, values: Array | No
             f"cannot colour by values of shape {values.shape}: "
             f"give finite values of shape {positions.shape[:2]}, or NaN at nodes without a value"
         )
+    if glyphs is not None and len(glyphs.lines) != len(times):
+        raise ModelError(f"cannot animate: glyphs at {len(glyphs.lines)} times, positions at {len(times)}")
+    passed, points = traces
+    if points.ndim != 3 or points.shape[::2] != (len(passed), 3) or not np.isfinite(points).all():
+        raise ModelError(
+            f"cannot trace points of shape {points.shape} at {len(passed)} times: "
+            "give finite points (s, k, 3) and times (s,)"
+        )
+    if np.any(np.diff(passed) < 0):
+        raise ModelError("cannot trace points at times that do not ascend: sort them")

@@ -86,16 +86,13 @@ def plot_contour(
             scale=_bands(float(values.min()), float(values.max()), n_bands),
         )
         node = int(seen[values.argmax()])
-        _mark(
-            axes, camera, nodes, node, field, node_ids, hidden=not _is_seen(axes, camera, nodes, skin, node)
-        )
+        (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+        page = PixelWindow(np.array([left, bottom]), np.array([right, top]), N_COLUMNS)
+        name = node if node_ids is None else int(node_ids[node])
+        hidden = not is_seen(nodes, skin, camera, page, node)
+        words = f"largest {field.values[node]:.4g}, node {name}{' on the far side' if hidden else ''}"
+        _mark(axes, page, camera.project(nodes[node])[0], words, dashed=hidden)
         return save_figure(figure, path)
-
-
-def _is_seen(axes: Axes, camera: Camera, nodes: Array, skin: Skin, node: int) -> bool:
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    page = PixelWindow(np.array([left, bottom]), np.array([right, top]), N_COLUMNS)
-    return is_seen(nodes, skin, camera, page, node)
 
 
 def _bands(low: float, high: float, n_bands: int) -> ScalarMappable:
@@ -105,30 +102,14 @@ def _bands(low: float, high: float, n_bands: int) -> ScalarMappable:
     return ScalarMappable(BoundaryNorm(edges, colormaps[COLOUR_MAP].N), COLOUR_MAP)
 
 
-def _mark(
-    axes: Axes,
-    camera: Camera,
-    nodes: Array,
-    node: int,
-    field: NodalField,
-    node_ids: IntArray | None,
-    *,
-    hidden: bool,
-) -> None:
-    """Draw a ring around the node; beside it, towards the middle of the picture, the value.
-
-    hidden : whether the node is on the far side of the body; the ring is then dashed
-    """
-    x, y = camera.project(nodes[node])[0]
-    line = "dashed" if hidden else "solid"
-    axes.scatter([x], [y], s=49.0, facecolors="none", edgecolors=INK, linestyles=line, zorder=4.0)
-    left, right = axes.get_xlim()
-    bottom, top = axes.get_ylim()
-    rightwards, upwards = x < 0.5 * (left + right), y < 0.5 * (bottom + top)
+def _mark(axes: Axes, page: PixelWindow, place: Array, words: str, *, dashed: bool) -> None:
+    """Draw a ring around a place (2,); beside it, towards the middle of the picture, a text."""
+    line = "dashed" if dashed else "solid"
+    axes.scatter(*place, s=49.0, facecolors="none", edgecolors=INK, linestyles=line, zorder=4.0)
+    rightwards, upwards = place < 0.5 * (page.low + page.high)
     axes.annotate(
-        f"largest {field.values[node]:.4g}, node {node if node_ids is None else node_ids[node]}"
-        + (" on the far side" if hidden else ""),
-        (x, y),
+        words,
+        (place[0], place[1]),
         xytext=(9.0 if rightwards else -9.0, 12.0 if upwards else -12.0),
         textcoords="offset points",
         ha="left" if rightwards else "right",
