@@ -291,9 +291,8 @@ kind = "averaging"   # its section may deform
     held += "\n" + _joint(name)
     if model.sets:
         return held
-    return (
-        "\n".join(f"# {line}".rstrip() if not line.startswith("#") else line for line in held.splitlines())
-        + "\n"
+    return "".join(
+        f"{line if line.startswith('#') else f'# {line}'.rstrip()}\n" for line in held.splitlines()
     )
 
 

@@ -53,11 +53,9 @@ class Split(CheckedTable):
 
     def division(self) -> Division:
         """How the cells are assigned to parts."""
-        return (
-            ByCellSets(self.cell_sets)
-            if self.cell_sets is not None
-            else AlongAxis(self.parts or 2, self.body_axis)
-        )
+        if self.cell_sets is not None:
+            return ByCellSets(self.cell_sets)
+        return AlongAxis(self.parts or 2, self.body_axis)
 
 
 @dataclass(frozen=True, eq=False)

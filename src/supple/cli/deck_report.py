@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -110,12 +108,6 @@ def inertia_numbers(mass: MassProperties) -> list[float]:
     """Ixx, Iyy, Izz, and the integrals xy, xz, yz about the centre."""
     J = mass.inertia
     return [float(value) for value in (J[0, 0], J[1, 1], J[2, 2], -J[0, 1], -J[0, 2], -J[1, 2])]
-
-
-def write_deck_report(report: DeckReport, path: Path) -> None:
-    """The report as JSON."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(report.as_json(), indent=1) + "\n", encoding="utf-8")
 
 
 def deck_rows(report: DeckReport) -> Iterator[Row]:

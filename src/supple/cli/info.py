@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from json import dumps
 from pathlib import Path
 
 from supple.cases import read_case
-from supple.cli.deck_report import deck_report, deck_rows, write_deck_report
+from supple.cli.deck_report import deck_report, deck_rows
 from supple.errors import ArgumentError, ImportFormatError
 from supple.importers import (
     DECK_SUFFIXES,
@@ -53,7 +54,8 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
         report = deck_report(deck, n_modes=n_modes, held=held)
         print_rows(f"Deck {path}", deck_rows(report))
         if json is not None:
-            write_deck_report(report, json)
+            json.parent.mkdir(parents=True, exist_ok=True)
+            json.write_text(f"{dumps(report.as_json(), indent=1)}\n", encoding="utf-8")
         return
     if json is not None or n_modes or held:
         raise ArgumentError(

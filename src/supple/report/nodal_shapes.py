@@ -6,6 +6,7 @@ full body, an intrinsic body, elements with plasticity. Shapes are stored once, 
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
@@ -104,11 +105,6 @@ def _fewest(left: Callable[[int], float], most: int, allowed: float) -> int:
 
     The bisection assumes that the error decreases monotonically.
     """
-    low, high = 0, 0 if left(0) <= allowed else most
-    while low < high:
-        middle = (low + high) // 2
-        if left(middle) <= allowed:
-            high = middle
-        else:
-            low = middle + 1
-    return low
+    if left(0) <= allowed:
+        return 0
+    return bisect_left(range(most), True, key=lambda number: left(number) <= allowed)
