@@ -127,12 +127,10 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
     if isinstance(damping, RayleighRatio):
         assert body.frame is not None  # a rule of the case file
         made = damping.build(whole, body.frame.build())
-        numbers = {"alpha": made.alpha, "beta": made.beta, "held": None}
-        if damping.kind == "rayleigh-ratio":
-            damping = Rayleigh(kind="rayleigh", **numbers)
-        else:
-            damping = LinearRayleigh(kind="linear-rayleigh", **numbers)
-    if isinstance(damping, Rayleigh | LinearRayleigh):
+        kind = damping.kind.removesuffix("-ratio")
+        table = Rayleigh if kind == "rayleigh" else LinearRayleigh
+        damping = table(kind=kind, alpha=made.alpha, beta=made.beta)
+    elif isinstance(damping, Rayleigh | LinearRayleigh):
         damping = damping.model_copy(update={"held": None})  # an interface of one part alone
     if isinstance(damping, Rayleigh | LinearRayleigh) and damping.alpha > 0:
         warnings.warn(

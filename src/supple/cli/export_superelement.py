@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from supple.body import BodyForm, RayleighDamping
+from supple.body import RayleighDamping
 from supple.cases import Case, read_case
 from supple.cases.run_files import check_not_an_input
 from supple.cases.static_case import assembled_system
@@ -99,13 +98,14 @@ def export_superelement(path: Path, target: Path, options: ExportOptions) -> Non
         if suffix == _OPENFAST:
             check_not_an_input(case, [blade_file_of(target)])
             _check_si(case)
-        chosen = _chosen(
-            case, options.body, ("reduced", "intrinsic") if suffix == _OPENFAST else ("reduced",)
-        )
-        if chosen.kind == "intrinsic":
-            _write_blade(target, case, cast("IntrinsicBody", chosen))
+        reduced = case.system.bodies_of(ReducedBody)
+        lines = case.system.bodies_of(IntrinsicBody) if suffix == _OPENFAST else {}
+        known = [each.body.name for each in case.system.bodies if each.body.name in {*reduced, *lines}]
+        name = chosen_body(case, options.body, known, "reduced bodies", _NONE)
+        if name in lines:
+            _write_blade(target, case, lines[name])
         else:
-            _write(target, suffix, cast("ReducedBody", chosen), case, abaqus=options.abaqus)
+            _write(target, suffix, reduced[name], case, abaqus=options.abaqus)
         _print_units(case, suffix)
 
 
@@ -240,12 +240,6 @@ def _for_beamdyn(case: Case, name: str) -> str:
     return (
         "" if table.section_table is None else "; for BeamDyn give the body condense, not frame and reduction"
     )
-
-
-def _chosen(case: Case, names: Sequence[str] | None, kinds: tuple[str, ...]) -> BodyForm:
-    """The body with the given name and one of these kinds, or the only one."""
-    known = {placed.body.name: placed.body for placed in case.system.bodies if placed.body.kind in kinds}
-    return known[chosen_body(case, names, list(known), "reduced bodies", _NONE)]
 
 
 def _linear(body: ReducedBody) -> ReducedBody:

@@ -131,13 +131,17 @@ def moving_machine(
         if system.gravity.any()
         else np.array([0.0, 0.0, 1.0])
     )
+    offsets = obstacle_offsets(system, solution)
     return MovingMachine(
         solution.times,
         bodies,
         joints,
         links,
         arrows,
-        list(_obstacles(system, solution, points)),
+        [
+            MovingObstacle(*obstacle_shape(contact.obstacle, points), offsets[:, number])
+            for number, contact in enumerate(system.rigid_contacts)
+        ],
         _scales(elastic, colourings, units),
         reached.min(axis=0),
         reached.max(axis=0),
@@ -187,11 +191,3 @@ def _scales(
             error = 0.0 if name == "deflection" else FIELD_TOLERANCE * high
             scales[name] = FieldScale(label, factor, 0.0, high, error)
     return dict(sorted(scales.items(), key=lambda item: item[0] == "plastic strain"))
-
-
-def _obstacles(system: System, solution: Solution, seen: Array) -> Iterator[MovingObstacle]:
-    """Rigid obstacles with their displacements in an explicit run."""
-    offsets = obstacle_offsets(system, solution)
-    for number, contact in enumerate(system.rigid_contacts):
-        points, triangles = obstacle_shape(contact.obstacle, seen)
-        yield MovingObstacle(points, triangles, offsets[:, number])

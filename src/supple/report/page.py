@@ -121,7 +121,10 @@ def html_text(
 
     head : JSON data for the scripts;   arrays : the arrays whose positions are in the head
     """
-    libraries, scripts = _source("libraries.js"), _scripts(assets.scripts)
+    libraries = _source("libraries.js")
+    # Joined in the scope of one function.
+    own = "\n".join(_source(f"{name}.js") for name in assets.scripts)
+    scripts = f'(() => {{\n"use strict";\n{own}}})();\n'
     styles = "".join(_source(f"{name}.css") for name in ("libraries", *assets.styles))
     parts = {
         "policy": _policy([libraries, scripts], styles),
@@ -139,11 +142,6 @@ def html_text(
 
 def _source(name: str) -> str:
     return files("supple.report").joinpath("assets", name).read_text(encoding="utf-8")
-
-
-def _scripts(names: Sequence[str]) -> str:
-    """The scripts, joined in the scope of one function."""
-    return '(() => {\n"use strict";\n' + "\n".join(_source(f"{name}.js") for name in names) + "})();\n"
 
 
 def _policy(scripts: Sequence[str], styles: str) -> str:

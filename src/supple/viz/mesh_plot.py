@@ -156,8 +156,14 @@ def draw_surface(
         )
     picture = np.zeros((page.n_rows, page.n_columns, 4))
     if skin is not None:
+        # Masked, because bands alone would give NaN the highest colour.
         picture = render(
-            nodes, skin, camera, page, values=values, colouring=lambda value: _colours_of(colours, value)
+            nodes,
+            skin,
+            camera,
+            page,
+            values=values,
+            colouring=lambda value: colours.to_rgba(np.ma.masked_invalid(value))[:, :3],
         )
         if undeformed is not None:
             draw_outline(axes, undeformed, skin, camera)
@@ -168,11 +174,6 @@ def draw_surface(
     draw_length_bar(axes, page, units)
     axes.set_title(title)
     return figure, axes, camera
-
-
-def _colours_of(scale: ScalarMappable, values: Array) -> Array:
-    """Colours (n, 3) of values (n,), plain where NaN; bands alone would give NaN the highest colour."""
-    return scale.to_rgba(np.ma.masked_invalid(values))[:, :3]
 
 
 def _with_free_corners(page: PixelWindow, plane: Array) -> PixelWindow:

@@ -62,7 +62,8 @@ def animate_run(
         system.placed(name, "elements")  # a misspelt name is an error
     check_film(path, film.frames_per_second)
     rate = played_rate(path, film.frames_per_second)
-    angles = None if film.at is None else _joint_angles(system, solution, film.at.joint)
+    at = None if film.at is None else JointMotionSensor("film", film.at.joint)
+    angles = None if at is None else at.values(system, solution)[:, 0]
     frames = film_rows(film, solution.times, rate, angles)
     rows, shown = np.unique(frames, return_inverse=True)
     camera = view.camera or machine_camera(system, solution, meshes)
@@ -105,11 +106,6 @@ def animate_run(
         units=units,
         progress=progress,
     )
-
-
-def _joint_angles(system: System, solution: Solution, joint: str) -> np.ndarray:
-    """Joint angles (t,) rad, counted beyond a revolution."""
-    return JointMotionSensor("film", joint).values(system, solution)[:, 0]
 
 
 def _traces(
