@@ -79,8 +79,8 @@ class CaseTables(CheckedTable):
     parameter: Annotated[tuple[ParameterTable, ...], Field(strict=False)] = ()
     simulation: Simulation
     spin: SpinTable | None = None
-    error: StatedError = Field(default_factory=lambda: StatedError.model_validate({}))
-    output: Output = Field(default_factory=lambda: Output.model_validate({}))
+    error: StatedError = Field(default_factory=StatedError)
+    output: Output = Field(default_factory=Output)
 
 
 def units_are_one_set(raw: Raw) -> Mistakes:

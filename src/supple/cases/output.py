@@ -55,7 +55,7 @@ class Output(CheckedTable):
     pictures: bool = Field(True, description="draw mesh, modes, motion and deformed bodies (PNG)")
     animation: bool = Field(True, description="draw the motion (GIF or MP4)")
     film: FilmTable = Field(
-        default_factory=lambda: FilmTable.model_validate({}),
+        default_factory=FilmTable,
         description="output times, speed and format of the animation",
     )
     camera: CameraTable | None = Field(

@@ -252,15 +252,13 @@ def reduction_start(
     quantity : quantity whose error is limited; the positions of all nodes if None
     given : table of the reduction; None: Craig-Bampton, or normal modes for a body without interfaces
     """
-    if given is None and body.interfaces:
-        given = CraigBampton.model_validate({"basis": "craig-bampton"})
-    elif given is None:
-        given = NormalModes.model_validate({"basis": "normal-modes"})
+    if given is None:
+        given = CraigBampton(basis="craig-bampton") if body.interfaces else NormalModes(basis="normal-modes")
     assert isinstance(given, Correctable)  # other bases do not correct themselves
     derivatives = derivative_choice(given.derivatives)
     if given.derivatives is None and not body.is_linear:
         derivatives = reduction.CompressedDerivatives(FIRST_DERIVATIVES)
-    accuracy = given.accuracy or Accuracy.model_validate({})
+    accuracy = given.accuracy or Accuracy()
     start = ReductionStart(accuracy.target(quantity), given.recipe(), derivatives)
     return replace(start, quartic=quartic_choice(given.condensed, start.quartic))
 

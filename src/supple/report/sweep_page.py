@@ -134,7 +134,15 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
             "rows": f"{page.row}s",
             "columns": [column.plain(arrays) for column in columns],
             "channels": shown,
-            "spectra": [_plain(each, arrays) for each in page.spectra],
+            "spectra": [
+                {
+                    "name": each.name,
+                    "unit": each.unit,
+                    "ranges": arrays.add(each.ranges, "f8"),
+                    "counts": arrays.add(each.counts, "f8"),
+                }
+                for each in page.spectra
+            ],
             "exponents": list(page.exponents),
             "reports": {str(case): address for case, address in page.reports.items()},
         },
@@ -172,12 +180,3 @@ def _columns(channel: ChannelOfCases, time: str) -> Iterator[_Column]:
     for name, values in channel.statistics.items():
         unit = time if name.startswith("time of") else channel.unit
         yield _Column(labelled(f"{channel.name}, {name}", unit), "output", values)
-
-
-def _plain(spectrum: RainflowSpectrum, arrays: PackedArrays) -> dict[str, object]:
-    return {
-        "name": spectrum.name,
-        "unit": spectrum.unit,
-        "ranges": arrays.add(spectrum.ranges, "f8"),
-        "counts": arrays.add(spectrum.counts, "f8"),
-    }
