@@ -30,12 +30,11 @@ HELD = "interface relative to which mass damping acts, whatever the frame; defau
 
 
 class RayleighRatio(CheckedTable):
-    """Rayleigh damping with the same damping ratio on two modes of the body, before its reduction.
+    """Rayleigh damping with the same damping ratio on two modes of the body, before its reduction."""
 
-    `rayleigh-ratio` damps the strain rate, `linear-rayleigh-ratio` by the stiffness of the undeformed body.
-    """
-
-    kind: Literal["rayleigh-ratio", "linear-rayleigh-ratio"]
+    kind: Literal["rayleigh-ratio", "linear-rayleigh-ratio"] = Field(
+        description="of the strain rate, or by the stiffness of the undeformed body"
+    )
     ratio: NonNegative = Field(description="damping ratio, 0.02 for 2 %")
     modes: Annotated[tuple[int, int], Field(strict=False)] = Field((1, 2), description="mode numbers from 1")
     held: str | None = Field(

@@ -63,12 +63,12 @@ class ModalPart(CheckedTable):
 
 
 class ElasticLaw(CheckedTable):
-    """Elastic: st-venant-kirchhoff, linear in the Green-Lagrange strain, is for small strains.
+    """An elastic material."""
 
-    neo-hookean is for large strains, and resists the inversion of elements.
-    """
-
-    kind: Literal["st-venant-kirchhoff", "neo-hookean"]
+    kind: Literal["st-venant-kirchhoff", "neo-hookean"] = Field(
+        description="linear in the Green-Lagrange strain, for small strains; or for large strains, which "
+        "resists the inversion of elements"
+    )
 
     def build(self, elastic: Isotropic) -> Law:
         """The law with the elastic constants of a material."""
