@@ -7,10 +7,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
 from supple.fem import BeamSection, lumped_mass, shell_model
+from supple.machine import Fixed, System
+from supple.machine.system import Load
 from supple.mesh import CellType, Mesh
-from supple.methods.intrinsic import CondensedLine, condensed_line
+from supple.methods.intrinsic import CondensedLine, IntrinsicBody, condensed_line
+from supple.simulation import equilibrium
 
-__all__ = ["condensed_beam", "line_mesh", "points_along_x"]
+__all__ = ["condensed_beam", "line_mesh", "points_along_x", "tip_at_rest"]
 
 
 def points_along_x(length: float, n: int) -> NDArray[np.float64]:
@@ -35,3 +38,10 @@ def condensed_beam(name: str, points: ArrayLike, section: BeamSection, radius: f
     masses = lumped_mass(model).reshape(-1, 6)[:, :1]
     diagonal = np.hstack([np.tile(masses, 3), np.tile(masses * radius**2, 3)])
     return condensed_line(name, points, model.stiffness, sparse.diags_array(diagonal.ravel()))
+
+
+def tip_at_rest(body: IntrinsicBody, load: Load) -> NDArray[np.float64]:
+    """Position (3,) of the last station of a line clamped at its root, in equilibrium under a load."""
+    clamp = Fixed(first="ground", second=f"{body.name}.root", name="clamp")
+    rest = equilibrium(System([body], [clamp], [load])).solution.bodies[body.name]
+    return body.places(rest)[1][0, -1]

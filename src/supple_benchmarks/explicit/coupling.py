@@ -6,10 +6,11 @@ The first half is modal, the second consists of elements.
 from __future__ import annotations
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from supple.fem import Isotropic, lumped_mass, solid_model
@@ -28,17 +29,19 @@ from supple_benchmarks.table import Row
 
 __all__ = ["dual_against_primal", "multi_time_steps"]
 
+Array = NDArray[np.float64]
+
 LIMIT = 0.5
 """Time step, s, below the stability limit 2 / omega_max of the elements; the runs use fractions of it."""
 
 
 class _Halves(NamedTuple):
     coupling: Coupling
-    root: Any
+    root: NDArray[np.int64]
     mesh: Mesh
-    L: Any
-    K: Any
-    M: Any
+    L: Array
+    K: Array
+    M: Array
 
 
 @cache
@@ -78,11 +81,11 @@ def _halves() -> _Halves:
     return _Halves(coupling, root, mesh, L, L.T @ whole @ L, L.T @ (masses[:, None] * L))
 
 
-def _freedoms(nodes: Any) -> Any:
-    return (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
+def _freedoms(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+    return (3 * nodes[:, None] + np.arange(3)).ravel()
 
 
-def _start(case: str) -> Any:
+def _start(case: str) -> Array:
     own = _halves()
     if case == "smooth":
         return own.L @ eigh(own.K, own.M, subset_by_index=[0, 0])[1][:, 0]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
+from jax.typing import ArrayLike
 
 from supple.algebra.rotation import rotation_log
 from supple.body import flexible_body
@@ -35,6 +35,7 @@ from supple.reduction import NormalModes
 
 __all__ = ["angular_momentum", "free_flight", "linear_momentum", "step_limit", "strain_energy"]
 
+Scheme = ProjectedDifference | PublishedScheme
 TURN = 5.8e-3
 """Rotation of the box in one step, rad."""
 
@@ -69,7 +70,9 @@ def _box(n_modes: int) -> ModalSubdomain:
 
 
 @partial(jax.jit, static_argnums=0)
-def _flown(scheme: Any, model: FrameModel, state: FrameState, before: Any, step: Any, n: Any) -> FrameState:
+def _flown(
+    scheme: Scheme, model: FrameModel, state: FrameState, before: float, step: float, n: int
+) -> FrameState:
     nothing = Generalized(jnp.zeros((4, 3)), jnp.zeros_like(state.y))
     return lax.fori_loop(
         0, n, lambda _, s: scheme.step(model, s, nothing, StepLengths(before, step))[0], state
@@ -77,8 +80,8 @@ def _flown(scheme: Any, model: FrameModel, state: FrameState, before: Any, step:
 
 
 def _start(
-    box: ModalSubdomain, scheme: Any, model: FrameModel, step: float, spin: Any, rate: float = 0.0
-) -> Any:
+    box: ModalSubdomain, scheme: Scheme, model: FrameModel, step: float, spin: ArrayLike, rate: float = 0.0
+) -> FrameState:
     p = jnp.asarray(box.points.placed(np.zeros(3), np.eye(3)) - box.points.origin)
     k = model.stiffness.shape[0]
     state = FrameState(p, jnp.zeros(k), jnp.cross(jnp.asarray(spin), p), jnp.full(k, rate))
@@ -117,7 +120,7 @@ def free_flight(_quick: bool) -> dict[str, float]:
     }
 
 
-def _order(box: ModalSubdomain, scheme: Any) -> float:
+def _order(box: ModalSubdomain, scheme: Scheme) -> float:
     model, spin, ends = box.compiled(), 0.1 * box.frequencies[0] * np.array([0.2, 0.6, 0.8]), []
     for n in (400, 800, 1600, 6400):
         step = 40.0 / n

@@ -18,6 +18,7 @@ from supple.methods.intrinsic import LoadPath, condense
 from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, ReducedBody, reduce
 from supple.simulation.equilibrium import equilibrium
 from supple_benchmarks.intrinsic.blade import blade_rows
+from supple_benchmarks.lines import tip_at_rest
 from supple_benchmarks.references.elastica import force_for_rotation
 from supple_benchmarks.table import Row
 
@@ -106,6 +107,4 @@ def _split(force: float) -> NDArray[np.float64]:
 def _intrinsic(force: float) -> NDArray[np.float64]:
     shells = flexible_body("strip", _model(), ENDS)
     body = condense(shells, LoadPath("root", "tip", N_LENGTH + 1), n_modes=60)
-    clamp = Fixed(first="ground", second="strip.root")
-    system = System([body], [clamp], [DeadForce(at="strip.tip", force=(0.0, 0.0, force))])
-    return body.places(equilibrium(system).solution.bodies["strip"])[1][0, -1]
+    return tip_at_rest(body, DeadForce(at="strip.tip", force=(0.0, 0.0, force)))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
-from supple.machine import DeadForce, Fixed, System
-from supple.methods.intrinsic import CLAMPED, intrinsic_body
-from supple.simulation import equilibrium
+from supple.machine import DeadForce
+from supple.methods.intrinsic import CLAMPED, CondensedLine, intrinsic_body
 from supple_benchmarks.intrinsic.beams import beam_line
+from supple_benchmarks.lines import points_along_x, tip_at_rest
 from supple_benchmarks.references.elastica import elastica
 from supple_benchmarks.table import Row
 
@@ -24,9 +23,9 @@ def elastica_rows(quick: bool) -> Iterator[Row]:
     """Distance of the tip from that of the elastica, over the length, by the number of segments (`nodes`)."""
     along, across, _ = elastica(1.0, 1.0, LOAD)
     for n in (10, 20, 40) if quick else (10, 20, 40, 80):
-        points = np.linspace(0, 1, n + 1)[:, None] * np.eye(3)[0]
+        points = points_along_x(1, n)
         line = beam_line("beam", points, axial=1e6, bending=1.0, torsion=1.0, mass=1.0, radius=0.01)
-        tip = _tip(line, (0, 0, LOAD))
+        tip = _tip(line, LOAD)
         yield {"nodes": n, "error": float(np.hypot(tip[0] - along, tip[2] - across))}
 
 
@@ -45,11 +44,8 @@ def bend_of_45_degrees(_quick: bool) -> Row:
     points = 100 * np.column_stack([1 - np.cos(angles), np.sin(angles), 0 * angles])
     stiffness = 1e7 / 12
     line = beam_line("beam", points, axial=1e7, bending=stiffness, torsion=stiffness, mass=1.0, radius=0.3)
-    return {"load": 600, "tip": _tip(line, (0, 0, 600.0)).tolist()}
+    return {"load": 600, "tip": _tip(line, 600.0).tolist()}
 
 
-def _tip(line: Any, force: tuple[float, float, float]) -> np.ndarray:
-    body = intrinsic_body(line, CLAMPED)
-    clamp = Fixed(first="ground", second="beam.root")
-    system = System([body], [clamp], [DeadForce(at="beam.tip", force=force)])
-    return body.positions(equilibrium(system).solution.bodies["beam"])[0, -1]
+def _tip(line: CondensedLine, force: float) -> np.ndarray:
+    return tip_at_rest(intrinsic_body(line, CLAMPED), DeadForce(at="beam.tip", force=(0, 0, force)))

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from time import process_time
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from supple.body import (
     AveragingInterface,
+    BodyForm,
     FlexibleBody,
     Frame,
     FullBody,
@@ -73,7 +74,7 @@ class ClampedBlade(NamedTuple):
     forces: Array
     tip: NDArray[np.int64]
 
-    def system(self, form: Any, share: float = 1.0) -> System:
+    def system(self, form: BodyForm | Placed, share: float = 1.0) -> System:
         """The system with the blade as `form`, under the fraction `share` of the load."""
         return System([form], [CLAMP], [DeadForce(body=BODY, at=self.nodes, force=share * self.forces)])
 
@@ -157,7 +158,7 @@ def _reduced(body: FlexibleBody, nodal: Array, frame: Frame) -> ReducedBody:
     )
 
 
-def _rested(clamped: ClampedBlade, form: Any) -> Array:
+def _rested(clamped: ClampedBlade, form: BodyForm) -> Array:
     """Positions of the tip nodes in equilibrium; the load is increased in steps."""
     placed = Placed(form)
     for share in _shares(clamped):
@@ -165,7 +166,7 @@ def _rested(clamped: ClampedBlade, form: Any) -> Array:
     return placed.positions(clamped.tip)
 
 
-def _split(clamped: ClampedBlade, form: Callable[[FlexibleBody, Array, Frame], Any]) -> Array:
+def _split(clamped: ClampedBlade, form: Callable[[FlexibleBody, Array, Frame], BodyForm]) -> Array:
     """Positions of the tip nodes of four bodies in a chain; the load is increased in steps.
 
     The frame of each body is fixed to its inner end.

@@ -8,8 +8,8 @@ along z and 30 along x, in consistent units.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -24,6 +24,9 @@ from supple_benchmarks.table import Row
 
 __all__ = ["energy_drift", "flying_u"]
 
+Flight = tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]
+"""Times (t,), and rotations and places of the stations."""
+Rule = RungeKutta4 | ResidualRungeKutta4
 FORCE = np.array([30.0, 0.0, 60.0])
 DURATION = 4.0
 N_OUTPUTS, N_SNAPSHOTS = 20, 5
@@ -34,7 +37,7 @@ def pushed(body: IntrinsicBody) -> System:
     return System([body], loads=[DeadForce(at="u.tip", force=_load)])
 
 
-def _load(time: Any) -> Any:
+def _load(time: jax.Array) -> jax.Array:
     return jnp.asarray(FORCE) * jnp.maximum(0.0, 1.0 - jnp.abs(time / (DURATION / 2) - 1.0))
 
 
@@ -72,7 +75,7 @@ def flying_u(quick: bool) -> Row:
     }
 
 
-def _shown(flight: tuple[np.ndarray, Any]) -> Row:
+def _shown(flight: Flight) -> Row:
     """Positions of the loaded tip (t, 3), and of all stations (k, n, 3) at the k times of the snapshots."""
     times, (_, places) = flight
     shown = slice(None, None, N_OUTPUTS // N_SNAPSHOTS)
@@ -98,7 +101,7 @@ def _longest_step(body: IntrinsicBody, kept: int | None = None) -> float:
     return largest_stable_step(omega, 0 * omega, 0 * omega)
 
 
-def _centre_error(body: IntrinsicBody, flight: tuple[np.ndarray, Any]) -> float:
+def _centre_error(body: IntrinsicBody, flight: Flight) -> float:
     """Distance of the centre of mass from its exact path under the force: root mean square over time, m."""
     times, (rotations, places) = flight
     masses = body.line.station_masses
@@ -120,7 +123,7 @@ def _distance(times: np.ndarray) -> np.ndarray:
     return np.where(times <= half, early, late)
 
 
-def _flown(body: IntrinsicBody, rule: Any, *, kept: int | None = None) -> tuple[np.ndarray, Any]:
+def _flown(body: IntrinsicBody, rule: Rule, *, kept: int | None = None) -> Flight:
     step = min(0.8 * _longest_step(body, kept), 0.02)
     run = Run(DURATION, DURATION / N_OUTPUTS, step=FixedStep(step), method=rule)
     solution = simulate(pushed(body), run)
@@ -135,7 +138,7 @@ def _lowest_alone(body: IntrinsicBody, kept: int) -> IntrinsicBody:
     return replace(body, modes=body.modes.truncated(kept), expansion=expansion)
 
 
-def _residual_rows(body: IntrinsicBody, flight: tuple[np.ndarray, Any], quick: bool) -> list[Row]:
+def _residual_rows(body: IntrinsicBody, flight: Flight, quick: bool) -> list[Row]:
     """Errors of the positions of all stations with truncated and with residual modes: root mean squares, m.
 
     flight : result of `_flown` with all modes, the reference

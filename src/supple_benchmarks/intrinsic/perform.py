@@ -6,8 +6,6 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from supple.methods.intrinsic import CLAMPED, intrinsic_modes
 from supple_benchmarks.growing_report import Study, keep_report, studied
 from supple_benchmarks.intrinsic.agreement import agreement_rows
@@ -18,6 +16,7 @@ from supple_benchmarks.intrinsic.figures import draw_figures
 from supple_benchmarks.intrinsic.flying import energy_drift, flying_u
 from supple_benchmarks.intrinsic.report import tables
 from supple_benchmarks.intrinsic.speed import speed_rows
+from supple_benchmarks.lines import points_along_x
 from supple_benchmarks.progress import Announce
 from supple_benchmarks.table import Row
 
@@ -46,7 +45,7 @@ def _with_order(quick: bool, announce: Announce) -> Iterator[Row]:
 
 def _orthonormality(quick: bool) -> dict[str, float]:
     """Largest deviation of the Gram matrices of Phi_1 and Phi_2 from the unit matrix, for a cantilever."""
-    points = np.linspace(0, 2, 21 if quick else 61)[:, None] * np.eye(3)[0]
+    points = points_along_x(2, 20 if quick else 60)
     line = beam_line("beam", points, axial=1e5, bending=10.0, torsion=8.0, mass=1.3, radius=0.02)
     first, second = intrinsic_modes(line, CLAMPED).orthonormality
     return {"phi1": first, "phi2": second}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from time import process_time
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -16,10 +15,12 @@ from supple.methods.intrinsic.line_march import runge_kutta_step
 from supple.methods.intrinsic.line_model import line_model
 from supple_benchmarks.intrinsic.beams import beam_line
 from supple_benchmarks.intrinsic.dense_couplings import dense_couplings, dense_rates
+from supple_benchmarks.lines import points_along_x
 from supple_benchmarks.table import Row
 
 __all__ = ["speed_rows"]
 
+State = tuple[jax.Array, jax.Array]
 SIZES = ((24, 50), (24, 100), (24, 138), (48, 100))
 """Pairs: number of stations, number of modes."""
 
@@ -27,7 +28,7 @@ SIZES = ((24, 50), (24, 100), (24, 138), (48, 100))
 def speed_rows(quick: bool) -> Iterator[Row]:
     """Processor time per step, microseconds, for each pair in `SIZES`: the smallest of five measurements."""
     for nodes, m in SIZES[: 1 if quick else None]:
-        points = np.linspace(0, 1, nodes)[:, None] * np.eye(3)[0]
+        points = points_along_x(1, nodes - 1)
         line = beam_line("beam", points, axial=1e5, bending=1.0, torsion=1.0, mass=1.0, radius=0.03)
         model = line_model(intrinsic_modes(line, CLAMPED, m))
         couplings = dense_couplings(model)
@@ -42,12 +43,12 @@ def speed_rows(quick: bool) -> Iterator[Row]:
         }
 
 
-def _microseconds(rates: Callable[[Any], Any], m: int, n_steps: int) -> float:
+def _microseconds(rates: Callable[[State], State], m: int, n_steps: int) -> float:
     start = (1e-3 * jnp.ones(m), jnp.zeros(m))
 
     @jax.jit
-    def march(state: Any) -> Any:
-        def step(now: Any, _: Any) -> tuple[Any, None]:
+    def march(state: State) -> State:
+        def step(now: State, _: None) -> tuple[State, None]:
             return runge_kutta_step(lambda _, q: rates(q), 0.0, now, 1e-6), None
 
         return jax.lax.scan(step, state, None, length=n_steps)[0]

@@ -15,6 +15,7 @@ from time import perf_counter, process_time
 
 import numpy as np
 
+from supple.body import FullBody
 from supple.error import (
     CorrectedSystem,
     ErrorEstimator,
@@ -111,8 +112,8 @@ def _cost(system: System, corrected: CorrectedSystem, run: Run) -> Row:
     }
 
 
-def _fulls(system: System) -> Row:
-    return {each.body.name: each.body for each in system.bodies if each.body.n_coordinates}
+def _fulls(system: System) -> dict[str, FullBody]:
+    return system.bodies_of(FullBody)
 
 
 def _worst(reduced: System, solution: Solution, system: System, exact: Solution) -> Row:

@@ -21,6 +21,7 @@ from supple_benchmarks.lines import line_mesh, points_along_x
 __all__ = [
     "DAMPED",
     "MODALLY",
+    "Damping",
     "beam",
     "framed",
     "laminate",
@@ -32,15 +33,14 @@ __all__ = [
 ]
 
 RUBBER = Isotropic(1e9, 0.3, 1000.0)
+Damping = RayleighDamping | ModalDamping
 DAMPED = RayleighDamping(alpha=0.3, beta=2e-4)
 MODALLY = ModalDamping(0.02, n_modes=12)
 ENDS = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
 FACES = (RigidInterface("root", "x_min"), RigidInterface("tip", "x_max"))
 
 
-def framed(
-    body: FlexibleBody, *, mean_axes: bool = False, damping: RayleighDamping | ModalDamping | None = None
-) -> FullBody:
+def framed(body: FlexibleBody, *, mean_axes: bool = False, damping: Damping | None = None) -> FullBody:
     """A full body with its frame at its interface "root", or in mean axes."""
     return FullBody(body, MeanAxisFrame() if mean_axes else NodalFixedFrame("root"), damping)
 

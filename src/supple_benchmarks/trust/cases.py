@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 
-from supple.body import RigidBody
+from supple.body import FlexibleBody, RigidBody
 from supple.machine import (
     GROUND,
     At,
     Ball,
     BaseAcceleration,
     Placed,
-    PrescribedRotation,
     Prismatic,
     Ramp,
     Revolute,
     SpringDamper,
     System,
 )
+from supple.machine.system import Load
 from supple.reduction import NoDerivatives, NormalModes
 from supple_benchmarks.trust.bodies import (
     DAMPED,
     MODALLY,
+    Damping,
     beam,
     framed,
     laminate,
@@ -36,6 +36,7 @@ from supple_benchmarks.trust.bodies import (
     tube,
 )
 from supple_benchmarks.trust.loads import (
+    Over,
     alone,
     blow,
     chirp,
@@ -51,16 +52,13 @@ from supple_benchmarks.trust.trust_case import TrustCase
 
 __all__ = ["CASES", "QUICK"]
 
+Made = Callable[[], FlexibleBody]
 SIDE = np.array([0.0, 1.0, 0.0])
 FIRST = 10.0
 """rad/s, lowest frequency of the clamped strip; the second is 64, those of the beam are 20 and 128."""
 
 
-def _slowly(size: float, rise: float) -> Callable[[Any], Any]:
-    return Ramp(size, rise)
-
-
-def _hinged(mean_axes: bool = False, damping: Any = None) -> System:
+def _hinged(mean_axes: bool = False, damping: Damping | None = None) -> System:
     """A strip on a hinge, released from the horizontal."""
     body = framed(shell_strip(), mean_axes=mean_axes, damping=damping)
     hinge = Revolute(name="hinge", first=GROUND, second=At("body", "root"), axis=(0, 1, 0))
@@ -84,9 +82,7 @@ def _slider_crank() -> System:
     """A flexible crank driven up to 6 rad/s, a flexible rod, and its end on a rail."""
     crank, link = framed(rod(0.3, "crank")), framed(rod(0.8, "rod", 6))
     joints = (
-        PrescribedRotation(
-            name="motor", first=GROUND, second=At("crank", "root"), axis=(0, -1, 0), angle=spin(6.0, 0.5)
-        ),
+        driven(spin(6.0, 0.5), "crank"),
         Revolute(name="pin", first=At("crank", "tip"), second=At("rod", "root"), axis=(0, 1, 0)),
         Ball(name="end", first=At("rod", "tip"), second=At("slider", "eye")),
         Prismatic(name="rail", first=GROUND, second=At("slider", "eye"), axis=(1, 0, 0)),
@@ -106,13 +102,7 @@ def _two_links(free: bool = False) -> System:
     shoulder = (
         Revolute(name="shoulder", first=GROUND, second=At("upper", "root"), axis=(0, 1, 0))
         if free
-        else PrescribedRotation(
-            name="shoulder",
-            first=GROUND,
-            second=At("upper", "root"),
-            axis=(0, -1, 0),
-            angle=lambda t: 1.2 * jnp.sin(2.0 * t) ** 2,
-        )
+        else driven(lambda t: 1.2 * jnp.sin(2.0 * t) ** 2, "upper")
     )
     elbow = Revolute(name="elbow", first=At("upper", "tip"), second=At("lower", "root"), axis=(0, 1, 0))
     gravity = np.array([0.0, 0.0, -9.81 if free else 0.0])
@@ -130,9 +120,7 @@ def _four_bar() -> System:
     at_coupler = -np.arctan2(B[1], B[0] - 0.3)
     at_rocker = -np.arctan2(B[1] - D[1], B[0] - D[0])
     joints = (
-        PrescribedRotation(
-            name="motor", first=GROUND, second=At("crank", "root"), axis=(0, -1, 0), angle=spin(4.0, 0.5)
-        ),
+        driven(spin(4.0, 0.5), "crank"),
         Revolute(name="pin A", first=At("crank", "tip"), second=At("coupler", "root"), axis=(0, 1, 0)),
         Revolute(name="pin B", first=At("coupler", "tip"), second=At("rocker", "tip"), axis=(0, 1, 0)),
         Revolute(name="pivot", first=GROUND, second=At("rocker", "root"), axis=(0, 1, 0)),
@@ -163,17 +151,17 @@ def _tumbling(angular_velocity: list[float], mean_axes: bool = True) -> System:
 
 
 def _of(
-    body: Callable[[], Any], *loads: Any, damping: Any = None, mean_axes: bool = False
+    body: Made, *loads: Load, damping: Damping | None = None, mean_axes: bool = False
 ) -> Callable[[], System]:
     """Function that creates the machine of one clamped body."""
     return lambda: alone(framed(body(), damping=damping, mean_axes=mean_axes), *loads)
 
 
-def _turned(body: Callable[[], Any], angle: Any, *, mean_axes: bool = False) -> Callable[[], System]:
-    return lambda: alone(framed(body(), mean_axes=mean_axes), joints=(driven(angle),))
+def _turned(body: Made, angle: Over, *, mean_axes: bool = False) -> Callable[[], System]:
+    return lambda: alone(framed(body(), mean_axes=mean_axes), joint=driven(angle))
 
 
-def _shaken(body: Callable[[], Any], over: Callable[[Any], Any]) -> Callable[[], System]:
+def _shaken(body: Made, over: Over) -> Callable[[], System]:
     return lambda: alone(
         framed(body()), BaseAcceleration(acceleration=lambda t: over(t) * np.array([0.0, 0.3, 1.0]))
     )
@@ -208,7 +196,7 @@ CASES: tuple[TrustCase, ...] = (
     ),
     TrustCase("plate, load in step", _of(plate, struck(13, every(60.0, 0.02, 0.008))), 0.4, 100, 1e-2),
     TrustCase("laminate, step", _of(laminate, pushed(lambda t: 0.5 + 0.0 * t)), 0.6, 100, 1e-2),
-    TrustCase("laminate, ramp", _of(laminate, pushed(_slowly(1.0, 0.5))), 0.8, 80, 1e-3),
+    TrustCase("laminate, ramp", _of(laminate, pushed(Ramp(1.0, 0.5))), 0.8, 80, 1e-3),
     TrustCase("strip, first mode", _of(shell_strip, pushed(lambda t: 0.05 * jnp.sin(FIRST * t))), 1.5, 75),
     TrustCase("strip, between modes", _of(shell_strip, pushed(lambda t: 0.5 * jnp.sin(30.0 * t))), 1.0, 100),
     TrustCase("strip, second mode", _of(shell_strip, pushed(lambda t: 0.2 * jnp.sin(64.0 * t))), 0.6, 120),
@@ -225,17 +213,15 @@ CASES: tuple[TrustCase, ...] = (
         1.0,
         100,
     ),
-    TrustCase("beam, follower", _of(beam, following(_slowly(10.0, 0.4))), 0.6, 60, 1e-3),
-    TrustCase("tube, follower", _of(tube, following(_slowly(30.0, 0.2))), 0.3, 60, 1e-2),
-    TrustCase(
-        "tube, dead load sideways", _of(tube, pushed(_slowly(30.0, 0.2), SIDE), mean_axes=True), 0.3, 60
-    ),
+    TrustCase("beam, follower", _of(beam, following(Ramp(10.0, 0.4))), 0.6, 60, 1e-3),
+    TrustCase("tube, follower", _of(tube, following(Ramp(30.0, 0.2))), 0.3, 60, 1e-2),
+    TrustCase("tube, dead load sideways", _of(tube, pushed(Ramp(30.0, 0.2), SIDE), mean_axes=True), 0.3, 60),
     TrustCase("solid, step", _of(solid_bar, pushed(lambda t: 5.0 + 0.0 * t)), 0.3, 100, 1e-2),
-    TrustCase("solid, slow and damped", _of(solid_bar, pushed(_slowly(30.0, 0.3)), damping=DAMPED), 0.4, 60),
-    TrustCase("beam in large bending", _of(beam, pushed(_slowly(40.0, 0.5))), 0.7, 70, 1e-3),
+    TrustCase("solid, slow and damped", _of(solid_bar, pushed(Ramp(30.0, 0.3)), damping=DAMPED), 0.4, 60),
+    TrustCase("beam in large bending", _of(beam, pushed(Ramp(40.0, 0.5))), 0.7, 70, 1e-3),
     TrustCase(
         "strip in large bending, mean axes",
-        _of(shell_strip, pushed(_slowly(8.0, 1.0)), mean_axes=True),
+        _of(shell_strip, pushed(Ramp(8.0, 1.0)), mean_axes=True),
         1.2,
         60,
     ),

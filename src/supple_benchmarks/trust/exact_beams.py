@@ -9,12 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import Frame, FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
+from supple.body import (
+    BodyForm,
+    Frame,
+    FullBody,
+    MeanAxisFrame,
+    NodalFixedFrame,
+    RigidInterface,
+    flexible_body,
+)
 from supple.error import ErrorStudy, state_errors
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import PARTS, FixedStep, Run
@@ -47,7 +54,7 @@ class ExactBeamCase:
     """A strip and its run, and the motion of its tip in space by a geometrically exact beam."""
 
     name: str
-    made: Callable[[], tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, PositionSensor]]
+    made: Callable[[], tuple[FullBody, Callable[[BodyForm], System], DerivativeChoice, Run, PositionSensor]]
     exact: Callable[[], Array]
     """Positions of the tip (t, 3) at the output times"""
 
@@ -92,7 +99,7 @@ def _bent(force: float, push: float, frame: str) -> ExactBeamCase:
         over = np.where(times < push, np.sin(np.pi * times / push) ** 2, 0.0)
         return times, force * over[:, None] * [0.0, 0.0, 1.0]
 
-    def made() -> tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, PositionSensor]:
+    def made() -> tuple[FullBody, Callable[[BodyForm], System], DerivativeChoice, Run, PositionSensor]:
         ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
         model = shell_model(
             strip(LENGTH, WIDTH, 24, 2), HomogeneousSection(Isotropic(MODULUS, 0.0, DENSITY), THICKNESS)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.body import FullBody
 from supple.machine import (
     GROUND,
     At,
@@ -19,27 +20,25 @@ from supple.machine import (
     PrescribedRotation,
     System,
 )
+from supple.machine.system import Load
 
-__all__ = ["blow", "chirp", "clamped", "driven", "every", "moving_force", "pushed", "spin", "struck"]
+__all__ = ["Over", "alone", "blow", "chirp", "driven", "every", "following", "pushed", "spin", "struck"]
 
-Over = Callable[[Any], Any]
+Over = Callable[[jax.Array], jax.Array]
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def clamped(body: str = "body") -> Joint:
-    """The root fixed to the ground."""
-    return Fixed(name="wall", first=GROUND, second=At(body, "root"))
-
-
-def driven(angle: Over, axis: tuple[float, float, float] = (0, -1, 0), body: str = "body") -> Joint:
-    """The root rotated by an angle over time."""
-    return PrescribedRotation(name="hinge", first=GROUND, second=At(body, "root"), axis=axis, angle=angle)
+def driven(angle: Over, body: str = "body") -> Joint:
+    """The root rotated by an angle over time, about -y."""
+    return PrescribedRotation(
+        name="hinge", first=GROUND, second=At(body, "root"), axis=(0, -1, 0), angle=angle
+    )
 
 
 def spin(speed: float, rise: float) -> Over:
     """An angle whose rate grows smoothly to a speed."""
 
-    def angle(t: Any) -> Any:
+    def angle(t: jax.Array) -> jax.Array:
         s = jnp.minimum(t / rise, 1.0)
         return speed * (rise * (s**3 - s**4 / 2) + jnp.maximum(t - rise, 0.0))
 
@@ -49,7 +48,7 @@ def spin(speed: float, rise: float) -> Over:
 def blow(size: float, at: float, length: float) -> Over:
     """A short pulse of sine-squared shape, from `at` to `at` + `length`."""
 
-    def value(t: Any) -> Any:
+    def value(t: jax.Array) -> jax.Array:
         s = (t - at) / length
         return size * jnp.where((s > 0) & (s < 1), jnp.sin(jnp.pi * s) ** 2, 0.0)
 
@@ -64,12 +63,8 @@ def chirp(size: float, low: float, high: float, duration: float) -> Over:
 
 def every(size: float, period: float, length: float) -> Over:
     """A short pulse of sine-squared shape in the middle of every period."""
-
-    def value(t: Any) -> Any:
-        s = (jnp.mod(t, period) - (period - length) / 2) / length
-        return size * jnp.where((s > 0) & (s < 1), jnp.sin(jnp.pi * s) ** 2, 0.0)
-
-    return value
+    pulse = blow(size, (period - length) / 2, length)
+    return lambda t: pulse(jnp.mod(t, period))
 
 
 def pushed(over: Over, direction: np.ndarray = UP) -> DeadForce:
@@ -77,28 +72,28 @@ def pushed(over: Over, direction: np.ndarray = UP) -> DeadForce:
     return DeadForce(body="body", at="tip", force=lambda t: over(t) * direction)
 
 
-def struck(node: int, over: Over, direction: np.ndarray = UP) -> DeadForce:
-    """A force of constant direction at one node."""
-    return DeadForce(body="body", at=[node], force=lambda t: over(t) * direction)
+def struck(node: int, over: Over) -> DeadForce:
+    """A force along z at one node."""
+    return DeadForce(body="body", at=[node], force=lambda t: over(t) * UP)
 
 
-def following(over: Over, direction: np.ndarray = UP) -> FollowerForce:
+def following(over: Over) -> FollowerForce:
     """A follower force at the tip."""
-    return FollowerForce(first=At("body", "tip"), force=lambda t: over(t) * direction)
+    return FollowerForce(first=At("body", "tip"), force=lambda t: over(t) * UP)
 
 
 def moving_force(nodes: list[int], places: np.ndarray, size: float, speed: float) -> DeadForce:
     """A force that travels over nodes along a line, shared by the two adjacent nodes."""
     width = float(np.diff(places).max())
 
-    def force(t: Any) -> Any:
+    def force(t: jax.Array) -> jax.Array:
         shares = jnp.maximum(0.0, 1 - jnp.abs(places - speed * t) / width)
         return size * shares[:, None] * UP
 
     return DeadForce(body="body", at=nodes, force=force)
 
 
-def alone(body: Any, *loads: Any, joints: tuple[Joint, ...] | None = None, **start: Any) -> System:
-    """A machine of one body, clamped by default."""
-    held = (clamped(),) if joints is None else joints
-    return System((Placed(body, **start),), held, loads=tuple(loads))
+def alone(body: FullBody, *loads: Load, joint: Joint | None = None) -> System:
+    """A machine of one body, by default with its root fixed to the ground."""
+    held = joint or Fixed(name="wall", first=GROUND, second=At("body", "root"))
+    return System((Placed(body),), (held,), loads=loads)

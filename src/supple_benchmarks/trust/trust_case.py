@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from supple.error import SelfCorrection
-from supple.integrate import FixedStep, Run, StepControl
+from supple.integrate import FixedStep, Run
 from supple.machine import System
 from supple.reduction import (
     CompressedDerivatives,
@@ -30,7 +30,7 @@ class TrustCase:
 
     name : str              name in the report
     system : function       creates the machine, with all bodies to be reduced in full
-    duration, n_outputs     of the run; the step is the output step by default
+    duration, n_outputs     of the run; the step is the output step
     accuracy : float        allowed error, relative to the size of the motion
     basis, derivatives      starting basis
     """
@@ -42,13 +42,12 @@ class TrustCase:
     accuracy: float = 1e-3
     basis: LinearBasisRecipe = field(default_factory=lambda: CraigBampton(n_modes=5))
     derivatives: DerivativeChoice = field(default_factory=lambda: CompressedDerivatives(5))
-    step: StepControl | None = None
 
     @property
     def run(self) -> Run:
         """The run as requested; `self_correct` shortens its step if the step is too long."""
         output_step = self.duration / self.n_outputs
-        return Run(self.duration, output_step, step=self.step or FixedStep(output_step))
+        return Run(self.duration, output_step, step=FixedStep(output_step))
 
     @property
     def target(self) -> SelfCorrection:

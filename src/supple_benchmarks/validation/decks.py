@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,11 +71,12 @@ def _tip_mass() -> tuple[Comparison, ...]:
     n, m = 40, SQUARE.mass_per_length * LENGTH
     tip = NodalMatrix(6 * n + np.arange(3), SHARE * m * np.eye(3))
     found = deck_frequencies(_beam(n, [tip], [_supports(range(6))]), 1, held=True)[0]
-    root: Any = brentq(
+    root = brentq(
         lambda x: 1 + np.cos(x) * np.cosh(x) + SHARE * x * (np.cos(x) * np.sinh(x) - np.sin(x) * np.cosh(x)),
         0.5,
         1.8,
     )
+    assert isinstance(root, float)
     exact = root**2 * np.sqrt(STEEL.youngs_modulus * SQUARE.I1 / (m * LENGTH**3)) / (2 * np.pi)
     source = "Euler and Bernoulli's beam with a tip mass"
     return (Comparison("lowest frequency, Hz", float(found), float(exact), source, 5e-4),)

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 
 from supple.body import (
+    BodyForm,
     FlexibleBody,
     FullBody,
     MeanAxisFrame,
@@ -63,7 +63,7 @@ def _beam(name: str = "beam") -> FlexibleBody:
     return flexible_body(name, model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
 
 
-FORMS: Mapping[str, Callable[[FlexibleBody], Any]] = MappingProxyType(
+FORMS: Mapping[str, Callable[[FlexibleBody], BodyForm]] = MappingProxyType(
     {
         "nodal-fixed frame": lambda body: reduce(body, NodalFixedFrame("root"), CraigBampton(4)),
         "mean axes, linear": lambda body: reduce(
@@ -76,7 +76,7 @@ FORMS: Mapping[str, Callable[[FlexibleBody], Any]] = MappingProxyType(
 """Forms of the driven beam: functions of the flexible body, by name."""
 
 
-def _deflection(form: Any, solution: Solution, root: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+def _deflection(form: BodyForm, solution: Solution, root: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
     """Deflection (t,) of the tip along the z axis of the driven root, m.
 
     root : function of the times (t,); returns the rotation of the root about y, rad, and its shift along z, m

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
@@ -105,7 +105,7 @@ def travelling_load() -> Sequence[Comparison]:
     speed = a * lowest * length / np.pi
     duration = length / speed
 
-    def nodal(t: Any) -> Any:
+    def nodal(t: jax.Array) -> jax.Array:
         shares = jnp.maximum(0.0, 1 - jnp.abs(jnp.arange(n + 1) - n * t / duration))
         return -force * shares[:, None] * jnp.array([0.0, 0.0, 1.0])
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +73,7 @@ def _line() -> IntrinsicBody:
     return intrinsic_body(condensed_beam("beam", points, section, radius), FREE)
 
 
-def _while_loaded(load: Sequence[float]) -> Callable[[Any], Any]:
+def _while_loaded(load: Sequence[float]) -> Callable[[jax.Array], jax.Array]:
     return lambda time: jnp.where(time < LOADED, 1.0, 0.0) * jnp.array(load)
 
 

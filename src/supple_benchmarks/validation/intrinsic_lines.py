@@ -12,10 +12,7 @@ from supple.integrate import FixedStep, GeneralizedAlpha, Run
 from supple.linearization import linearize, machine_modes
 from supple.machine import (
     DeadForce,
-    Fixed,
     FollowerTorque,
-    ForceElement,
-    NodalLoad,
     Placed,
     PrescribedRotation,
     Spin,
@@ -31,8 +28,8 @@ from supple.methods.intrinsic import (
     intrinsic_body,
 )
 from supple.methods.intrinsic.truncation_error import centre_drift
-from supple.simulation import equilibrium, simulate
-from supple_benchmarks.lines import line_mesh, points_along_x
+from supple.simulation import simulate
+from supple_benchmarks.lines import line_mesh, points_along_x, tip_at_rest
 from supple_benchmarks.references.elastica import elastica
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
@@ -40,7 +37,6 @@ __all__ = ["CASES", "slender_beam", "spinning_frequencies"]
 
 Array = NDArray[np.float64]
 
-CLAMP = Fixed(first="ground", second="beam.root", name="clamp")
 WRIGHT = "A. D. Wright et al., J. Appl. Mech. 49 (1982) 197-202, table 1: uniform cantilever, no hub"
 FLAP = {6.0: 7.3604, 12.0: 13.1702}
 """First flapping frequency by angular velocity, both over sqrt(EI / (m L^4))."""
@@ -66,14 +62,9 @@ def spinning_frequencies(body: IntrinsicBody, speed: float) -> Array:
     return machine_modes(linearize(System([body], [drive]), spin=Spin(speed))).frequencies
 
 
-def _tip_at_rest(body: IntrinsicBody, load: ForceElement | NodalLoad) -> Array:
-    rest = equilibrium(System([body], [CLAMP], [load])).solution.bodies
-    return body.places(rest["beam"])[1][0, -1]
-
-
 def _bent() -> Sequence[Comparison]:
     along, across, _ = elastica(1.0, 1.0, 10.0)
-    tip = _tip_at_rest(slender_beam(20, CLAMPED, 12), DeadForce(at="beam.tip", force=(0, 0, 10.0)))
+    tip = tip_at_rest(slender_beam(20, CLAMPED, 12), DeadForce(at="beam.tip", force=(0, 0, 10.0)))
     source = "inextensible elastica, by shooting"
     return [
         Comparison("tip along the beam over L, PL^2/EI = 10, 12 modes", tip[0], along, source, 1e-3, 1.0),
@@ -83,7 +74,7 @@ def _bent() -> Sequence[Comparison]:
 
 def _rolled_up() -> Sequence[Comparison]:
     torque = FollowerTorque(first="beam.tip", torque=(0, -2 * np.pi, 0))
-    tip = _tip_at_rest(slender_beam(16, CLAMPED), torque)
+    tip = tip_at_rest(slender_beam(16, CLAMPED), torque)
     source = "constant curvature: a full circle closes"
     apart = float(np.linalg.norm(tip))
     return [Comparison("distance of the ends over L, ML/EI = 2 pi", apart, 0.0, source, 1e-6, 1.0)]

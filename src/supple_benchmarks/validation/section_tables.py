@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from supple.body import RigidInterface, flexible_body, section_beams
 from supple.importers import SectionTable, twisted_axes
-from supple.machine import DeadForce, Fixed, System
+from supple.machine import DeadForce
 from supple.methods.intrinsic import CLAMPED, intrinsic_body, section_line
-from supple.simulation import equilibrium
+from supple_benchmarks.lines import tip_at_rest
 from supple_benchmarks.references.section_beam import SectionAt, bent_tip, clamped_frequencies
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
@@ -67,9 +67,7 @@ def _vibrating() -> Sequence[Comparison]:
 def _tip(table: SectionTable, n_stations: int, push: tuple[float, float, float]) -> NDArray[np.float64]:
     """Displacement (3,) of the tip of a clamped intrinsic line under a dead force at the tip."""
     body = intrinsic_body(section_line("beam", table, n_stations), CLAMPED)
-    clamp, load = Fixed(first="ground", second="beam.root"), DeadForce(at="beam.tip", force=push)
-    rest = equilibrium(System([body], [clamp], [load])).solution.bodies["beam"]
-    return body.places(rest)[1][0, -1] - table.positions[-1]
+    return tip_at_rest(body, DeadForce(at="beam.tip", force=push)) - table.positions[-1]
 
 
 def _bent_far() -> Sequence[Comparison]:
