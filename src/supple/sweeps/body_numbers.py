@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from supple.cases.body_kinds import kind_of
 from supple.cases.parameter_path import number_at, parameter_path
@@ -23,7 +22,7 @@ PLACING = ("position", "rotation", "velocity", "centre_velocity", "angular_veloc
 DAMPING_NUMBERS = ("alpha", "beta", "ratio")
 
 
-def is_number_of_run(place: KeyPath, value: Any, raw: Raw) -> bool:
+def is_number_of_run(place: KeyPath, value: object, raw: Raw) -> bool:
     """Whether cases of one group may differ in the value at a place.
 
     place : keys that lead to the value;   raw : the tables of the case file
@@ -58,7 +57,7 @@ def number_of_run(case: Path, name: str, raw: Raw) -> tuple[KeyPath, float]:
     return place, value
 
 
-def _is_damped_apart(body: Mapping[str, Any]) -> bool:
+def _is_damped_apart(body: Raw) -> bool:
     """Whether the sweep reduces a body from its elements, so that its damping can be changed afterwards."""
     kind, reduction = kind_of(body), body.get("reduction", {})
     whole = isinstance(reduction, Mapping) and reduction.get("basis") == "none"
@@ -66,7 +65,7 @@ def _is_damped_apart(body: Mapping[str, Any]) -> bool:
     return kind is not None and kind.is_elastic and kind.has_elements and not others and not whole
 
 
-def _holds_numbers(value: Any) -> bool:
+def _holds_numbers(value: object) -> bool:
     if isinstance(value, list | tuple):
         return all(map(_holds_numbers, value))
     return isinstance(value, int | float) and not isinstance(value, bool)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 from weakref import WeakKeyDictionary
 
 from supple.arguments import checked_arguments
@@ -82,7 +81,7 @@ class CaseParameters:
             sizes=sizes,
         )
 
-    def _named(self, outputs: Sequence[str]) -> Any:
+    def _named(self, outputs: Sequence[str]) -> Callable[[System], list[Quantity]]:
         """Function that returns the named outputs of a machine; CaseError for unknown names."""
         known = [each.name for each in self._outputs_of(self.machine(self.values))]
         for name in outputs:

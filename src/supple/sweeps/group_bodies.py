@@ -17,7 +17,7 @@ from supple.cases.damping import RayleighRatio
 from supple.cases.reductions import FullOrder
 from supple.cases.static_case import starting_system
 from supple.cases.table import named_in
-from supple.error import correction_numbers, self_correct
+from supple.error import Round, correction_numbers, self_correct
 from supple.integrate import Validity
 from supple.machine import System
 from supple.reduction import ReducedBody, redamped
@@ -109,7 +109,7 @@ def is_reduced_here(table: Body) -> bool:
 def _digest(case: Case, tables: Mapping[str, Body]) -> str:
     """Digest of all inputs of the reductions; with self-correction, these are all inputs of the case."""
     if case.starts:
-        content: Any = {key: str(value) for key, value in case.inputs.items()}
+        content: dict[str, object] = {key: str(value) for key, value in case.inputs.items()}
     else:
         named = [name for table in tables.values() for name in _files(table)]
         bodies = [table.model_dump(mode="json", exclude=set(PLACING)) for table in case.tables.body]
@@ -130,7 +130,7 @@ def _are_kept(folder: Path, tables: Mapping[str, Body]) -> bool:
 
 def _reduce(case: Case, tables: Mapping[str, Body], folder: Path) -> None:
     """Reduce the bodies of a case and store them; the record is written last."""
-    rounds: list[Any] = []
+    rounds: list[Round] = []
     system: System = case.system
     if case.starts:
         run = replace(case.run, validity=Validity())

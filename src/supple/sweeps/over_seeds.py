@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from supple.errors import CaseError
 from supple.optional_packages import optional_package
 from supple.sweeps.case_table import CaseTable
 from supple.sweeps.plan import numbered
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 __all__ = ["statistics_over_seeds"]
 
@@ -69,7 +72,7 @@ def _over(sums: Array, number: IntArray) -> Array:
     return np.where(number > 0, sums / np.maximum(number, 1), np.nan)
 
 
-def statistics_over_seeds(dataset: Any, seeds: Sequence[str] = ()) -> Any:
+def statistics_over_seeds(dataset: Dataset, seeds: Sequence[str] = ()) -> Dataset:
     """Statistics over the seeds of a sweep as an `xarray.Dataset`: conditions in place of cases.
 
         ds = sp.read_sweep("results/gusts")
@@ -90,7 +93,7 @@ def statistics_over_seeds(dataset: Any, seeds: Sequence[str] = ()) -> Any:
     names = list(seeds) or list(dataset.attrs.get("seeds", ()))
     if not names:
         raise CaseError("statistics over seeds: name the columns whose values are realisations")
-    varied = [name for name, own in dataset.coords.items() if own.dims == ("case",) and name != "case"]
+    varied = [str(name) for name, own in dataset.coords.items() if own.dims == ("case",) and name != "case"]
     table = CaseTable({name: dataset[name].values.tolist() for name in varied})
     numbers, conditions = conditions_of(table, names)
     found = [

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import combinations
@@ -48,7 +48,7 @@ MARCHED_AT_ONCE = 16
 IntArray = NDArray[np.int64]
 
 
-def _time_of(start: Any) -> float:
+def _time_of(start: object) -> float:
     """Start time of a run by `simulation.start`: that of a state of an earlier run, otherwise 0."""
     return float(start["time"]) if isinstance(start, Mapping) else 0.0
 
@@ -274,9 +274,9 @@ def _stands(path: str, raw: Raw) -> bool:
     return isinstance(found, list) or (isinstance(found, Mapping) and last in found)
 
 
-def numbered(keys: Sequence[Any], n: int) -> IntArray:
+def numbered(keys: Sequence[Hashable], n: int) -> IntArray:
     """Numbers (n,) of keys, from 0 in order of appearance; all 0 without keys."""
-    numbers: dict[Any, int] = {}
+    numbers: dict[Hashable, int] = {}
     found = [numbers.setdefault(key, len(numbers)) for key in keys]
     return np.array(found, dtype=np.int64) if found else np.zeros(n, dtype=np.int64)
 
@@ -311,7 +311,7 @@ def _inputs(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath])
     return found | missing_files(sorted(files), folder) | digests_of_files(sorted(files), folder)
 
 
-def _has_text(value: Any) -> bool:
+def _has_text(value: object) -> bool:
     """Whether a value may name a file: a text, or a table or list with texts."""
     if isinstance(value, Mapping):
         return any(map(_has_text, value.values()))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -20,6 +20,9 @@ from supple.sweeps.fatigue_loads import DAMAGE, range_of, summed_spectra
 from supple.sweeps.part_file import CHANNEL_KINDS, NUMBERS, WORDS, motion_in, part_path
 from supple.sweeps.plan import SweepPlan, read_plan
 from supple.sweeps.sweep_shares import SweepShares, sweep_shares
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 __all__ = ["SweepColumns", "read_sweep", "write_parquet"]
 
@@ -87,7 +90,7 @@ class SweepColumns:
                 found[cases] = self._by_name(data[number], list(names), numbers)
         return found
 
-    def _by_name(self, data: Array, names: list[str], numbers: Any) -> Array:
+    def _by_name(self, data: Array, names: list[str], numbers: NDArray[np.intp]) -> Array:
         """Columns of the wanted channels from a part, by name; NaN for channels that are not in the part."""
         wanted = np.atleast_1d(self.channels["name"][numbers])
         found = np.full((data.shape[1], len(wanted)), np.nan)
@@ -186,7 +189,7 @@ class SweepColumns:
         }
 
 
-def read_sweep(folder: Path | str) -> Any:
+def read_sweep(folder: Path | str) -> Dataset:
     """The results of a sweep as an `xarray.Dataset`; statistics are read from the files when used.
 
         ds = sp.read_sweep("results/speeds")
@@ -241,7 +244,7 @@ def read_sweep(folder: Path | str) -> Any:
     return xarray.Dataset(variables, coords=coordinates, attrs=title)
 
 
-def _as_array(column: Any) -> NDArray[Any]:
+def _as_array(column: Sequence[Any]) -> NDArray[Any]:
     if any(isinstance(value, list | dict) for value in column):
         return np.array([str(value) for value in column], dtype=object)
     return np.array(column) if not isinstance(column[0], str) else np.array(column, dtype=object)
@@ -271,7 +274,7 @@ def _lazy_statistics(columns: SweepColumns) -> Any:
     return Statistics()
 
 
-def write_parquet(dataset: Any, path: Path | str) -> None:
+def write_parquet(dataset: Dataset, path: Path | str) -> None:
     """Write the data set of a sweep as a Parquet file, with a row per case.
 
     Each parameter, each variable per case, and each statistic of each channel has a column.

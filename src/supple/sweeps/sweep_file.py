@@ -185,7 +185,7 @@ def _mistakes_of_values(raw: Raw) -> Mistakes:
         yield from ((("sample", "of", name, *place), words) for place, words in _table_of_draws(given)[1])
 
 
-def _mistakes_of_list(given: Any) -> Iterator[tuple[KeyPath, str]]:
+def _mistakes_of_list(given: object) -> Iterator[tuple[KeyPath, str]]:
     if isinstance(given, list):
         if not given:
             yield (), "the list is empty; give at least one value"
@@ -219,7 +219,7 @@ def _table_of_values(given: Raw) -> tuple[_Pattern | _Range | None, Sequence[tup
     return checked(_Pattern if "pattern" in given else _Range, given, [])
 
 
-def _table_of_draws(given: Any) -> tuple[Any, Sequence[tuple[KeyPath, str]]]:
+def _table_of_draws(given: object) -> tuple[Any, Sequence[tuple[KeyPath, str]]]:
     if not isinstance(given, Mapping):
         return None, [
             ((), "give a range {from = .., to = ..}, {mean = .., deviation = ..} or {scale = .., shape = ..}")
@@ -228,7 +228,7 @@ def _table_of_draws(given: Any) -> tuple[Any, Sequence[tuple[KeyPath, str]]]:
     return checked(kind, given, [])
 
 
-def _kind(value: Any) -> str:
+def _kind(value: object) -> str:
     """Kind of a value, as text; integers and other numbers are of one kind."""
     if isinstance(value, bool):
         return "true or false"

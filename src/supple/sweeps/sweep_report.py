@@ -199,11 +199,11 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
     )
 
 
-def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Any]:
+def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Array | list[str]]:
     """Columns of estimated errors, of their ratios to allowed errors, and of reasons if these differ."""
     allowed, reasons = columns.of_cases("allowed_error"), columns.of_cases("no_estimate")
     unit = columns.plan.units.length or ""
-    found: dict[str, Any] = {}
+    found: dict[str, Array | list[str]] = {}
     if not np.isnan(errors).all():
         found = {labelled("estimated error", unit): errors, "runs": columns.runs.astype(float)}
     if not np.isnan(ratios := _ratios(errors, allowed)).all():
