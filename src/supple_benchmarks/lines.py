@@ -13,7 +13,10 @@ from supple.mesh import CellType, Mesh
 from supple.methods.intrinsic import CondensedLine, IntrinsicBody, condensed_line
 from supple.simulation import equilibrium
 
-__all__ = ["condensed_beam", "line_mesh", "points_along_x", "tip_at_rest"]
+__all__ = ["BENDING_ROOTS", "condensed_beam", "line_mesh", "points_along_x", "tip_at_rest"]
+
+BENDING_ROOTS = (1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349)
+"""Wave number times length, b L, of a cantilever's bending modes: lowest roots of cos(b L) cosh(b L) = -1."""
 
 
 def points_along_x(length: float, n: int) -> NDArray[np.float64]:

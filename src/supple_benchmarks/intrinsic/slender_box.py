@@ -9,14 +9,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from supple_benchmarks.lines import BENDING_ROOTS
+
 __all__ = ["slender_frequency", "slender_mode"]
 
 Array = NDArray[np.float64]
 
 LENGTH, WIDTH, HEIGHT, WALL = 20.0, 1.0, 0.1, 0.01
 E, NU, DENSITY = 1e6, 0.3, 1.0
-CANTILEVER = (1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349)
-"""Lowest roots of cos x cosh x = -1; higher roots are close to odd multiples of pi / 2."""
 
 AREA = 2 * (WIDTH + HEIGHT) * WALL
 FLAP = WALL * (WIDTH * HEIGHT**2 / 2 + HEIGHT**3 / 6)
@@ -58,4 +58,5 @@ def slender_mode(kind: str, rank: int, s: Array) -> tuple[Array, Array, Array]:
 
 
 def _root(rank: int) -> float:
-    return CANTILEVER[rank] if rank < len(CANTILEVER) else (2 * rank + 1) * np.pi / 2
+    # Higher roots are close to odd multiples of pi / 2.
+    return BENDING_ROOTS[rank] if rank < len(BENDING_ROOTS) else (2 * rank + 1) * np.pi / 2

@@ -3,30 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.body import (
-    FlexibleBody,
-    Frame,
-    FullBody,
-    MeanAxisFrame,
-    NodalFixedFrame,
-    RigidInterface,
-    flexible_body,
-)
+from supple.body import FlexibleBody, FullBody, RigidInterface, flexible_body
 from supple.fem import FiniteElementModel
 from supple.machine import GROUND, At, Constant, DeadForce, Fixed, Placed, Scaled, System
 from supple.reduction import ReducedBody
 from supple.simulation import equilibrium
 
-__all__ = ["FRAMES", "clamped_body", "resting_tip"]
-
-FRAMES: dict[str, Frame] = {"nodal-fixed": NodalFixedFrame("root"), "mean-axis": MeanAxisFrame()}
-
-Form = TypeVar("Form", FullBody, ReducedBody)
+__all__ = ["clamped_body", "resting_tip"]
 
 
 def clamped_body(name: str, model: FiniteElementModel) -> FlexibleBody:

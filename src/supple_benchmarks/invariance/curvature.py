@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from supple.body import FullBody
-from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
+from supple_benchmarks.compared_models import FRAMES
+from supple_benchmarks.invariance.clamped import clamped_body, resting_tip
 from supple_benchmarks.invariance.strip import (
     BENDING,
     LENGTH,

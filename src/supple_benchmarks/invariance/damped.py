@@ -8,8 +8,9 @@ import numpy as np
 
 from supple.body import FlexibleBody, LinearRayleighDamping, RayleighDamping
 from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
+from supple_benchmarks.compared_models import FRAMES
 from supple_benchmarks.invariance.box import BOX_LENGTH, box_of_beams
-from supple_benchmarks.invariance.clamped import FRAMES, clamped_body
+from supple_benchmarks.invariance.clamped import clamped_body
 from supple_benchmarks.invariance.vibration import pushed, swinging_tip
 from supple_benchmarks.table import Row
 

@@ -20,8 +20,9 @@ from supple.reduction import (
     project,
     reduction_basis,
 )
+from supple_benchmarks.compared_models import FRAMES
 from supple_benchmarks.invariance.box import BOX_LENGTH, box_of_walls, weak_bending
-from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
+from supple_benchmarks.invariance.clamped import clamped_body, resting_tip
 from supple_benchmarks.invariance.strip import BENDING, LENGTH, TORSION, WIDTH, strip_model
 from supple_benchmarks.table import Row
 

@@ -11,7 +11,8 @@ from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface
 from supple.fem import FiniteElementModel
 from supple.machine import Fixed, split_body
 from supple.mesh import AlongAxis
-from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
+from supple_benchmarks.compared_models import FRAMES
+from supple_benchmarks.invariance.clamped import clamped_body, resting_tip
 from supple_benchmarks.invariance.strip import BENDING, LENGTH, strip_model
 from supple_benchmarks.references.elastica import force_for_rotation
 from supple_benchmarks.table import Row

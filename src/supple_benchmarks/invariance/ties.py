@@ -11,8 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from supple.body import FlexibleBody, FullBody, QuadraticStrainForce
 from supple.errors import ConvergenceError
+from supple_benchmarks.compared_models import FRAMES
 from supple_benchmarks.invariance.box import BOX_LENGTH, box_of_walls, weak_bending
-from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
+from supple_benchmarks.invariance.clamped import clamped_body, resting_tip
 from supple_benchmarks.table import Row
 
 __all__ = ["tied_boxes"]

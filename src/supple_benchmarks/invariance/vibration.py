@@ -13,8 +13,9 @@ from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, Table
 from supple.quantities import node_positions
 from supple.reduction import ReducedBody
 from supple.simulation import simulate
+from supple_benchmarks.compared_models import FRAMES
 from supple_benchmarks.invariance.box import BOX_LENGTH, SECTION, beam_stiffness, box_of_beams, weak_bending
-from supple_benchmarks.invariance.clamped import FRAMES, clamped_body
+from supple_benchmarks.invariance.clamped import clamped_body
 from supple_benchmarks.references.simo_reissner import straight_beam, swung
 from supple_benchmarks.table import Row
 

@@ -12,15 +12,13 @@ from supple.fem import BeamSection, Isotropic, shell_model
 from supple.linearization import linearize, machine_modes
 from supple.machine import GROUND, At, Fixed, System
 from supple.reduction import CompleteBasis, NoDerivatives, NoLoads, reduce
-from supple_benchmarks.lines import line_mesh, points_along_x
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+from supple_benchmarks.lines import BENDING_ROOTS, line_mesh, points_along_x
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, compared
 
 __all__ = ["CASES"]
 
 STEEL = Isotropic(2.1e11, 0.0, 7800.0)
 LENGTH, WIDTH, HEIGHT = 1.0, 0.01, 0.03
-BENDING_ROOTS = (1.8751040687, 4.6940911330, 7.8547574382)
-"""Wave number times length, b L, of a cantilever's bending modes: roots of cos(b L) cosh(b L) = -1"""
 RAYLEIGH = "Euler-Bernoulli beam: Lord Rayleigh, Theory of Sound, chapter VIII"
 
 
@@ -61,10 +59,7 @@ def condensed_cantilever() -> Sequence[Comparison]:
             "half the length",
             1e-9,
         ),
-        *(
-            Comparison(f"bending {number}, rad/s", float(one), float(other), RAYLEIGH, 5e-3)
-            for number, (one, other) in enumerate(zip(found, exact, strict=True), start=1)
-        ),
+        *compared((f"bending {number}, rad/s" for number in range(1, 6)), found, exact, RAYLEIGH, 5e-3),
     ]
 
 

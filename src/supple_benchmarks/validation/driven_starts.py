@@ -40,7 +40,7 @@ from supple.machine import (
 from supple.methods.intrinsic import LoadPath, condense, released
 from supple.reduction import CraigBampton, NoDerivatives, reduce
 from supple.simulation import simulate
-from supple_benchmarks.lines import line_mesh, points_along_x
+from supple_benchmarks.lines import BENDING_ROOTS, line_mesh, points_along_x
 from supple_benchmarks.validation.beam_chain import rectangle
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
@@ -151,7 +151,7 @@ def shaken(*names: str) -> Sequence[Comparison]:
 def _modal_responses(times: np.ndarray, size: float, rate: float) -> list[np.ndarray]:
     """Deflections (t,) of the tip relative to the root, m, in each of the first three modes."""
     responses = []
-    for number, root in enumerate((1.8751040687, 4.6940911330, 7.8547574382)):
+    for number, root in enumerate(BENDING_ROOTS[:3]):
         ratio = (np.cosh(root) + np.cos(root)) / (np.sinh(root) + np.sin(root))
         at_tip = 2 * (-1) ** number * 2 * ratio / root  # mode shape at the tip times participation factor
         own = root**2 * FLEXIBILITY

@@ -18,6 +18,7 @@ from supple.mesh import CellType, block
 from supple.methods.explicit import Explicit, modal_subdomain
 from supple.reduction import CraigBampton
 from supple.simulation import simulate
+from supple_benchmarks.lines import BENDING_ROOTS
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
 
 __all__ = ["CASES"]
@@ -117,7 +118,7 @@ def _clamped_bar() -> Sequence[Comparison]:
     part = modal_subdomain(flexible_body("bar", model, ends), CraigBampton(4))
     system = System([part], joints=[Fixed(name="clamp", first="ground", second="bar.root")])
     found = machine_modes(linearize(system)).frequencies[0]
-    exact = 1.8751041**2 * np.sqrt(E * side**2 / 12 / rho) / length**2
+    exact = BENDING_ROOTS[0] ** 2 * np.sqrt(E * side**2 / 12 / rho) / length**2
     return (
         Comparison(
             "first frequency, rad/s", float(found), float(exact), "closed form, Euler and Bernoulli", 0.01

@@ -23,7 +23,7 @@ from supple.methods.intrinsic import FREE, IntrinsicBody, intrinsic_body
 from supple.simulation import simulate
 from supple_benchmarks.lines import condensed_beam
 from supple_benchmarks.planar_beam import BeamElements, PlanarBeam
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, compared
 
 __all__ = ["CASES"]
 
@@ -103,17 +103,8 @@ def _flown() -> Sequence[Comparison]:
     ]
     for time, own, exact in zip((LOADED, DURATION), places[1:, [0, -1], :2], _reference(), strict=True):
         for end, place, expected in zip(("root", "tip"), own, exact, strict=True):
-            found += [
-                Comparison(
-                    f"{end} along {axis} after {time:g} s, m; {relative}",
-                    float(a),
-                    float(b),
-                    source,
-                    1e-2,
-                    BEAM.length,
-                )
-                for axis, a, b in zip("xy", place, expected, strict=True)
-            ]
+            names = [f"{end} along {axis} after {time:g} s, m; {relative}" for axis in "xy"]
+            found += compared(names, place, expected, source, 1e-2, BEAM.length)
     return found
 
 

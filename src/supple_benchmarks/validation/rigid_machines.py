@@ -32,7 +32,12 @@ from supple.machine import (
 )
 from supple.quantities import JointMotionSensor
 from supple.simulation import simulate
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
+from supple_benchmarks.validation.validation_case import (
+    Comparison,
+    ValidationCase,
+    compared,
+    largest_difference,
+)
 
 __all__ = ["CASES"]
 
@@ -138,17 +143,8 @@ def double_pendulum() -> Sequence[Comparison]:
         for motion in (solution.motion(name, FloatingMotion) for name in ("upper", "lower"))
     ]
     source = "Lagrange's equations of two uniform rods, integrated by DOP853 to 1e-11"
-    return [
-        Comparison(
-            f"angle of the {name} rod after 1.5 s, rad",
-            float(value),
-            float(np.arctan2(np.sin(angle), np.cos(angle))),
-            source,
-            1e-4,
-            scale=np.pi / 2,
-        )
-        for name, value, angle in zip(("upper", "lower"), found, exact, strict=True)
-    ]
+    names = [f"angle of the {name} rod after 1.5 s, rad" for name in ("upper", "lower")]
+    return compared(names, found, np.arctan2(np.sin(exact), np.cos(exact)), source, 1e-4, np.pi / 2)
 
 
 def n_four_bar() -> Sequence[Comparison]:

@@ -31,7 +31,7 @@ from supple.linearization import SparseMachine, linearize, machine_modes
 from supple.machine import GROUND, At, JournalBearing, Placed, Revolute, Spin, System
 from supple.mesh import CellType, Mesh
 from supple.reduction import CompleteBasis, NoDerivatives, reduce
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, matched
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, compared, matched
 
 __all__ = [
     "CASES",
@@ -265,13 +265,18 @@ def _disc_on_a_massless_shaft() -> list[Comparison]:
     rate = 60.0
     expected = np.roots([1.1, -2.0 * rate, -5000.0]).real
     source = "closed form: roots of J_t w^2 - J_p W w - k = 0"
+    return _in_both_frames(disc_on_massless_shaft(), rate, expected, source, 1e-5)
+
+
+def _in_both_frames(
+    body: FlexibleBody, rate: float, expected: Array, source: str, allowed: float
+) -> list[Comparison]:
+    """Whirl of a rotor on a hinge at its hub, with its frame at the hub and in mean axes."""
     comparisons = []
     for name, frame in (("nodal-fixed", NodalFixedFrame("hub")), ("mean axes", MeanAxisFrame())):
-        found = turning_frequencies(disc_on_massless_shaft(), frame, rate, {"hub": None})
-        for value, reference in zip(whirls(found, expected, rate), expected, strict=True):
-            comparisons.append(
-                Comparison(f"{_whirl(reference)}, {name}, rad/s", value, reference, source, 1e-5)
-            )
+        found = whirls(turning_frequencies(body, frame, rate, {"hub": None}), expected, rate)
+        names = [f"{_whirl(each)}, {name}, rad/s" for each in expected]
+        comparisons += compared(names, found, expected, source, allowed)
     return comparisons
 
 
@@ -290,14 +295,7 @@ def _disc_of_beam_elements() -> list[Comparison]:
     expected = whirl_of_timoshenko_shaft(OVERHUNG, rate, bounds)
     body = rotor_body(OVERHUNG, 0.05, {"hub": 0.0})
     source = "exact transfer matrix of Timoshenko's rotating shaft (Nelson 1980)"
-    comparisons = []
-    for name, frame in (("nodal-fixed", NodalFixedFrame("hub")), ("mean axes", MeanAxisFrame())):
-        found = turning_frequencies(body, frame, rate, {"hub": None})
-        for value, reference in zip(whirls(found, expected, rate), expected, strict=True):
-            comparisons.append(
-                Comparison(f"{_whirl(reference)}, {name}, rad/s", value, reference, source, 1e-3)
-            )
-    return comparisons
+    return _in_both_frames(body, rate, expected, source, 1e-3)
 
 
 FRISWELL = (85.39, 87.80, 251.78, 294.71)
@@ -322,10 +320,8 @@ def _two_discs_on_bearings() -> list[Comparison]:
         "M. I. Friswell et al., Dynamics of Rotating Machines (2010), example 5.9.1; numbers of ROSS "
         "(petrobras/ross, test_examples.py), six elements"
     )
-    return [
-        Comparison(f"{_whirl(reference)} {number // 2 + 1}, rad/s", value, reference, source, 3e-3)
-        for number, (value, reference) in enumerate(zip(whirls(found, signed, rate), signed, strict=True))
-    ]
+    names = [f"{_whirl(each)} {number // 2 + 1}, rad/s" for number, each in enumerate(signed)]
+    return compared(names, whirls(found, signed, rate), signed, source, 3e-3)
 
 
 LALANNE = (55.408, 67.209, 157.90, 193.71, 249.90, 407.62, 446.62)
@@ -361,10 +357,7 @@ def _three_discs_on_unlike_bearings() -> list[Comparison]:
     """The first seven whirl frequencies of `lalanne_rotor` at 25 000 rpm, with a mean-axis frame."""
     found = lalanne_frequencies(MeanAxisFrame())
     source = "M. Lalanne, G. Ferraris, Rotordynamics Prediction in Engineering (1998), rotor of three discs"
-    return [
-        Comparison(f"frequency {number}, Hz", float(value), reference, source, 3e-3)
-        for number, (value, reference) in enumerate(zip(found, LALANNE, strict=False), 1)
-    ]
+    return compared((f"frequency {number}, Hz" for number in range(1, 8)), found, LALANNE, source, 3e-3)
 
 
 CASES: tuple[ValidationCase, ...] = (

@@ -13,7 +13,7 @@ from supple.machine import DeadForce
 from supple.methods.intrinsic import CLAMPED, intrinsic_body, section_line
 from supple_benchmarks.lines import tip_at_rest
 from supple_benchmarks.references.section_beam import SectionAt, bent_tip, clamped_frequencies
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, compared
 
 __all__ = ["CASES"]
 
@@ -57,11 +57,10 @@ def _vibrating() -> Sequence[Comparison]:
     line = intrinsic_body(section_line("beam", _box_beam(), 31), CLAMPED).modes.frequencies
     chain = flexible_body("beam", section_beams(_box_beam(), 30), [RigidInterface("root", "root")])
     beams = np.sqrt(chain.lowest_modes(3, chain.interface("root").motion.toarray()).values)
-    return [
-        Comparison(f"frequency {k + 1} of {what}, rad/s", float(found[k]), float(exact[k]), EQUATIONS, 5e-3)
-        for what, found in (("a line of 31 stations", line), ("30 beams", beams))
-        for k in range(3)
-    ]
+    names = (
+        f"frequency {k} of {what}, rad/s" for what in ("a line of 31 stations", "30 beams") for k in (1, 2, 3)
+    )
+    return compared(names, [line[:3], beams], [exact, exact], EQUATIONS, 5e-3)
 
 
 def _tip(table: SectionTable, n_stations: int, push: tuple[float, float, float]) -> NDArray[np.float64]:
@@ -91,10 +90,9 @@ def _beside(
     found: NDArray[np.float64], exact: NDArray[np.float64], under: str, source: str, allowed: float
 ) -> Sequence[Comparison]:
     size = float(np.linalg.norm(exact))
-    return [
-        Comparison(f"tip along {axis} under {under}", float(a), float(b), source, allowed, size)
-        for axis, a, b in zip("xyz", found, exact, strict=True)
-    ]
+    return compared(
+        (f"tip along {axis} under {under}" for axis in "xyz"), found, exact, source, allowed, size
+    )
 
 
 CASES: tuple[ValidationCase, ...] = (

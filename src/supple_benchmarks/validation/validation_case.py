@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
-__all__ = ["Comparison", "ValidationCase", "largest_difference", "matched"]
+__all__ = ["Comparison", "ValidationCase", "compared", "largest_difference", "matched"]
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,20 @@ class Comparison:
     def holds(self) -> bool:
         """Whether the error is at most the allowed one; False for a value that is not a number."""
         return self.error <= self.allowed
+
+
+def compared(
+    quantities: Iterable[str],
+    found: ArrayLike,
+    exact: ArrayLike,
+    source: str,
+    allowed: float,
+    scale: float | None = None,
+) -> list[Comparison]:
+    """Comparisons of several numbers with one source and allowed error; `found` may have more at its end."""
+    references = np.ravel(exact).tolist()
+    rows = zip(quantities, np.ravel(found).tolist()[: len(references)], references, strict=True)
+    return [Comparison(name, own, reference, source, allowed, scale) for name, own, reference in rows]
 
 
 def largest_difference(

@@ -17,16 +17,14 @@ from supple.machine import GROUND, At, DeadForce, Fixed, FollowerForce, Placed, 
 from supple.machine.system import Load
 from supple.mesh import CellType, block, plate
 from supple.reduction import CompressedDerivatives, CraigBampton, reduce
-from supple_benchmarks.lines import line_mesh, points_along_x
+from supple_benchmarks.lines import BENDING_ROOTS, line_mesh, points_along_x
 from supple_benchmarks.validation.beam_chain import rectangle
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, matched
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, compared, matched
 
 __all__ = ["CASES"]
 
 Array = NDArray[np.float64]
 
-BENDING_ROOTS = (1.8751040687, 4.6940911330, 7.8547574382)
-"""Wave number times length, b L, of a cantilever's bending modes: roots of cos(b L) cosh(b L) = -1"""
 RAYLEIGH = "Euler-Bernoulli beam: Lord Rayleigh, Theory of Sound, chapter VIII"
 
 
@@ -59,7 +57,7 @@ def cantilever() -> Sequence[Comparison]:
     """Frequencies of a beam of line elements: bending in both planes, torsion and extension."""
     y, z = 0.03, 0.01
     found = _frequencies(_clamped(_beam()), 24)
-    weak, strong = (WAVE * size / np.sqrt(12) * np.array(BENDING_ROOTS) ** 2 for size in (z, y))
+    weak, strong = (WAVE * size / np.sqrt(12) * np.square(BENDING_ROOTS) for size in (z, y))
     twist = (
         np.pi
         / 2
@@ -82,8 +80,8 @@ def solid_beam() -> Sequence[Comparison]:
     length, height = 1.0, 0.02
     body = _body("beam", solid_model(block(length, height, height, 24, 1, 1, CellType.HEXA20), STEEL), "root")
     found = _frequencies(_clamped(body), 6)
-    exact = WAVE * height / np.sqrt(12) * np.array(BENDING_ROOTS) ** 2
-    return [Comparison(f"bending {k + 1}, rad/s", found[2 * k], exact[k], RAYLEIGH, 5e-3) for k in range(3)]
+    exact = WAVE * height / np.sqrt(12) * np.square(BENDING_ROOTS[:3])
+    return compared((f"bending {k}, rad/s" for k in (1, 2, 3)), found[::2], exact, RAYLEIGH, 5e-3)
 
 
 def _body(name: str, model: FiniteElementModel, held: str) -> FlexibleBody:
@@ -104,15 +102,10 @@ def plates() -> Sequence[Comparison]:
     free = _frequencies(System([FullBody(flexible_body("plate", model, ()), MeanAxisFrame())]), 9) / unit
     ritz = "thin-plate theory, Poisson's ratio 0.3: Ritz's method, 10 Legendre polynomials in each direction"
     unit_of = "w a^2 sqrt(rho h / D)"
-    free = free[free > 1]
-    return (
-        Comparison(f"clamped all around, {unit_of}", around[0], 35.985, ritz, 0.01),
-        Comparison(f"clamped along an edge, first, {unit_of}", along[0], 3.471, ritz, 0.01),
-        Comparison(f"clamped along an edge, second, {unit_of}", along[1], 8.508, ritz, 0.01),
-        Comparison(f"free, first, {unit_of}", free[0], 13.468, ritz, 0.01),
-        Comparison(f"free, second, {unit_of}", free[1], 19.596, ritz, 0.01),
-        Comparison(f"free, third, {unit_of}", free[2], 24.270, ritz, 0.01),
-    )
+    found = [around[0], *along[:2], *free[free > 1][:3]]
+    edges = ("clamped all around", "clamped along an edge, first", "clamped along an edge, second")
+    names = [f"{each}, {unit_of}" for each in (*edges, "free, first", "free, second", "free, third")]
+    return compared(names, found, (35.985, 3.471, 8.508, 13.468, 19.596, 24.270), ritz, 0.01)
 
 
 def spinning_beam() -> Sequence[Comparison]:
