@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+
+from numpy.typing import ArrayLike
 
 from supple.results.round_off import without_noise
 from supple.results.run_tables import (
@@ -69,7 +70,7 @@ def _place_tables(numbers: Numbers) -> list[TextTable]:
     return tables
 
 
-def _error_words(error: Sequence[float] | None, like: Sequence[Any]) -> list[str]:
+def _error_words(error: Sequence[float] | None, like: ArrayLike) -> list[str]:
     """The error along x, y and z; zero where it is round-off relative to the positions of all places."""
     return ["unknown"] * 3 if error is None else [f"{each:.2g}" for each in without_noise(error, like=like)]
 

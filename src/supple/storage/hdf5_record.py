@@ -15,12 +15,15 @@ import math
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from types import NoneType
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin, get_type_hints
 
 import h5py
 import numpy as np
 
-Record = TypeVar("Record")
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Record = TypeVar("Record", bound="DataclassInstance")
 
 
 def store_array(group: h5py.Group, name: str, array: np.ndarray) -> None:
@@ -77,7 +80,7 @@ def check_fits(found: h5py.Dataset, n_rows: int | None = None) -> None:
         raise ValueError(f"{found.name} has {claimed} bytes, more than the {size} bytes of the file")
 
 
-def store_record(group: h5py.Group, record: Any) -> None:
+def store_record(group: h5py.Group, record: DataclassInstance) -> None:
     """Write the fields of a frozen dataclass; TypeError for a field of another kind than listed above."""
     for item in fields(record):
         _store(group, item.name, getattr(record, item.name))
@@ -91,13 +94,13 @@ def read_record(group: h5py.Group, kind: type[Record]) -> Record:
     """
     hints = get_type_hints(kind)
     found = {}
-    for item in fields(kind):  # ty: ignore[invalid-argument-type]
+    for item in fields(kind):
         if item.name in group or item.name in group.attrs:
             found[item.name] = _read(group, item.name, hints[item.name])
     return kind(**found)
 
 
-def _store(group: h5py.Group, name: str, value: Any) -> None:
+def _store(group: h5py.Group, name: str, value: object) -> None:
     match value:
         case None:
             return
@@ -115,7 +118,7 @@ def _store(group: h5py.Group, name: str, value: Any) -> None:
             inner = group.create_group(name)
             for i, item in enumerate(value):
                 store_record(inner.create_group(str(i)), item)
-        case _ if is_dataclass(value):
+        case _ if is_dataclass(value) and not isinstance(value, type):
             store_record(group.create_group(name), value)
         case _:
             raise TypeError(f"{name} is a {type(value).__name__}, which a record cannot hold")

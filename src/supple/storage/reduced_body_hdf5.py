@@ -234,7 +234,7 @@ def _frame(attributes: h5py.AttributeManager) -> Frame:
     raise KeyError(f"frame {kind!r} is unknown")
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     if not isinstance(value, str):
         raise TypeError(f"{value!r} is not a text")
     return value
