@@ -229,7 +229,7 @@ def test_the_stress_of_a_shape_has_the_resultants_of_its_section(shape):
     sizes = {"I": (6, 3, 4, 0.4, 0.5, 0.7), "L": (4, 5, 0.6, 0.4), "T": (4, 5, 0.6, 0.4)}
     sizes |= {"CHAN": (3, 5, 0.4, 0.6), "Z": (2, 0.5, 4, 5), "HAT": (4, 0.5, 3, 1)}
     sizes |= {"BOX1": (4, 5, 0.4, 0.5, 0.6, 0.7)}
-    s = SHAPES[shape].values(*sizes[shape])
+    s = SHAPES[shape](*sizes[shape])
     neutral = (-s.shear_centre[0], -s.shear_centre[1])
     geometry = s.geometry.moved(*neutral)
     section = BeamSection(
@@ -258,7 +258,7 @@ def test_the_stress_of_a_shape_has_the_resultants_of_its_section(shape):
 
 def test_torsion_of_a_closed_cell_and_of_a_round_bar():
     """Bredt: tau = M / (2 A t). A shaft: tau = M r / J."""
-    box = SHAPES["BOX"].values(0.3, 0.2, 0.01, 0.02)
+    box = SHAPES["BOX"](0.3, 0.2, 0.01, 0.02)
     shaft = circular_section(0.05, 0.04)
     J = np.pi / 2 * (0.05**4 - 0.04**4)
     np.testing.assert_allclose(np.linalg.norm(shaft.torsion_shear, axis=1), 0.05 / J)
@@ -374,7 +374,7 @@ def test_beams_without_points_have_no_stress():
 
 def test_a_mirrored_section_has_the_mirrored_stress():
     """An L with z the other way under the mirrored load: the same axial stress and torsion at every point."""
-    s = SHAPES["L"].values(0.04, 0.05, 0.006, 0.004)
+    s = SHAPES["L"](0.04, 0.05, 0.006, 0.004)
     neutral = (-s.shear_centre[0], -s.shear_centre[1])
     geometry = s.geometry.moved(*neutral)
     given = BeamSection(

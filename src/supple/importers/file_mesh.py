@@ -61,7 +61,7 @@ class FileMesh:
         """The checked mesh of everything, or of the cell set `only` and its nodes."""
         chosen = self if only is None else self._only(only)
         if only is not None or unused_nodes is UnusedNodes.DROP:
-            chosen = chosen._used()
+            chosen = chosen.without_unused()
         try:
             return Mesh(
                 chosen.nodes,
@@ -104,12 +104,9 @@ class FileMesh:
             cell_ids={kind: ids[kept[kind]] for kind, ids in self.cell_ids.items() if kind in kept},
         )
 
-    def without_unused(self, among: BoolArray) -> FileMesh:
-        """The file mesh without the nodes of the mask `among` (N,) that no cell uses."""
-        return self._used(~among)
-
-    def _used(self, kept: BoolArray | None = None) -> FileMesh:
-        used = np.zeros(len(self.nodes), dtype=bool) if kept is None else kept.copy()
+    def without_unused(self, among: BoolArray | None = None) -> FileMesh:
+        """The file mesh without nodes that no cell uses: those of the mask `among` (N,), or all."""
+        used = np.zeros(len(self.nodes), dtype=bool) if among is None else ~among
         for array in self.cells.values():
             used[array] = True
         number = np.cumsum(used) - 1

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from supple.arguments import checked_arguments
+from supple.arrays import IntArray
 from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.file_mesh import UnusedNodes
-from supple.importers.gmsh_file import GmshFile, read_gmsh_file
+from supple.importers.gmsh_file import GmshElements, read_gmsh_file
 from supple.importers.numbering import positions_of_ids
 from supple.importers.text_file import file_content
 from supple.mesh import Mesh
@@ -40,8 +41,8 @@ def read_gmsh(
     path = Path(path)
     text = _whole_text(path)
     names = _physical_names(path, text)
-    read = read_gmsh_file(path, text.encode("latin-1"))
-    blocks = _blocks(path, read, names)
+    tags, positions, elements = read_gmsh_file(path, text.encode("latin-1"))
+    blocks = _blocks(path, tags, elements, names)
     node_sets = {
         name: np.unique(np.concatenate([b.cells[b.sets[name]].ravel() for _, b in blocks if name in b.sets]))
         for name in dict.fromkeys(name for _, block in blocks for name in block.sets)
@@ -53,9 +54,7 @@ def read_gmsh(
         if dimension == highest:
             by_type.setdefault(block.type_name, []).append(block)
     once = [_each_once(name, parts) for name, parts in by_type.items()]
-    return file_mesh(path, read.positions, once, node_sets, read.tags).to_mesh(
-        only=only, unused_nodes=unused_nodes
-    )
+    return file_mesh(path, positions, once, node_sets, tags).to_mesh(only=only, unused_nodes=unused_nodes)
 
 
 def _whole_text(path: Path) -> str:
@@ -94,11 +93,13 @@ def _line(text: str, place: int) -> int:
     return text.count("\n", 0, place) + 1
 
 
-def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> list[tuple[int, CellBlock]]:
+def _blocks(
+    path: Path, tags: IntArray, read: Sequence[GmshElements], names: dict[tuple[int, int], str]
+) -> list[tuple[int, CellBlock]]:
     """Dimension and cells of each block, with node numbers from 0 and the physical groups as sets."""
     blocks = []
-    for elements in read.blocks:
-        cells, known = positions_of_ids(read.tags, elements.nodes)
+    for elements in read:
+        cells, known = positions_of_ids(tags, elements.nodes)
         lost = np.flatnonzero(~known.all(axis=1))
         if lost.size:
             raise ImportFormatError(

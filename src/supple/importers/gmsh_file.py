@@ -58,17 +58,8 @@ class GmshElements:
     groups: dict[int, BoolArray]
 
 
-@dataclass(frozen=True)
-class GmshFile:
-    """Contents of a file: tags (N,) and positions (N, 3) of its nodes, and its elements in blocks."""
-
-    tags: IntArray
-    positions: FloatArray
-    blocks: tuple[GmshElements, ...]
-
-
-def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
-    """The nodes and elements of a file that has all required sections.
+def read_gmsh_file(path: Path, content: bytes) -> tuple[IntArray, FloatArray, tuple[GmshElements, ...]]:
+    """Tags (N,) and positions (N, 3) of the nodes, and the elements, of a file with all required sections.
 
     Raises
     ------
@@ -86,7 +77,7 @@ def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
     second = first_repeated(tags)
     if second is not None:
         raise _unreadable(path, f"node {tags[second]} occurs twice in $Nodes")
-    return GmshFile(tags, positions, blocks)
+    return tags, positions, blocks
 
 
 def _unreadable(path: Path, why: str) -> ImportFormatError:

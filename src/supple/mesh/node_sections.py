@@ -104,7 +104,13 @@ def shared_pieces(
 
 def _is_flat(mesh: Mesh, sides: Sequence[Mapping[CellType, IntArray]], nodes: IntArray) -> bool:
     """Whether the nodes of one piece are near a plane, relative to the extent of the cells normal to it."""
-    touching = [_touching(mesh, side, nodes) for side in sides]
+    touching = [
+        [
+            cells[np.isin(cells, nodes).any(axis=1)]
+            for cells in (mesh.cells[kind][own] for kind, own in side.items())
+        ]
+        for side in sides
+    ]
     low, high = (mesh.nodes[np.unique(np.concatenate([c.ravel() for c in own]))] for own in touching)
     towards = high.mean(axis=0) - low.mean(axis=0)
     towards /= np.linalg.norm(towards)
@@ -115,12 +121,6 @@ def _is_flat(mesh: Mesh, sides: Sequence[Mapping[CellType, IntArray]], nodes: In
     normal = (towards - slope) / np.hypot(1.0, np.linalg.norm(slope))
     extents = [np.ptp(mesh.nodes[cells] @ normal, axis=1) for own in touching for cells in own]
     return bool(np.ptp(points @ normal) <= _FLAT * np.concatenate(extents).mean())
-
-
-def _touching(mesh: Mesh, side: Mapping[CellType, IntArray], nodes: IntArray) -> list[IntArray]:
-    """The cells (E, k) of one side of the mesh that contain some of the nodes, by kind."""
-    members = [mesh.cells[kind][own] for kind, own in side.items()]
-    return [cells[np.isin(cells, nodes).any(axis=1)] for cells in members]
 
 
 def _planes(mesh: Mesh, along: FloatArray) -> Iterator[NodeSection]:

@@ -9,7 +9,7 @@ from supple.importers.nastran.section_shapes import SHAPES
 
 
 def values(shape, *sizes):
-    found = SHAPES[shape].values(*sizes)
+    found = SHAPES[shape](*sizes)
     assert found is not None
     return found
 
@@ -188,4 +188,4 @@ def test_shear_centres():
     ],
 )
 def test_sizes_that_do_not_fit(shape, sizes):
-    assert SHAPES[shape].values(*sizes) is None
+    assert SHAPES[shape](*sizes) is None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from inspect import signature
 from math import nan, pi
 
 import numpy as np
@@ -103,7 +104,7 @@ def _pbend(
             reading.leave_out(
                 card, "the flexibility of bent pipes (FSI above 1) is not read: the pipes are too stiff"
             )
-        section = SHAPES["TUBE"].values(middle + t / 2, middle - t / 2) if 0 <= t <= 2 * middle else None
+        section = SHAPES["TUBE"](middle + t / 2, middle - t / 2) if 0 <= t <= 2 * middle else None
         if section is None:
             return f"its mean radius RM = {middle:g} and thickness T = {t:g} do not make a pipe"
         values, nsm, offsets = section.beam_values(material.density), card.real(10, "NSM", 0.0), 11
@@ -240,15 +241,16 @@ def _shaped(
     shape = SHAPES.get(word)
     if shape is None:
         return f"its section {word or 'of no type'} is not read"
-    stations = [(0.0, _sizes(card, 8, shape.sizes, None))]
-    place = 8 + shape.sizes + 1
-    while card.name == "PBEAML" and not card.is_blank(place, place + shape.sizes + 3):
+    n = len(signature(shape).parameters)
+    stations = [(0.0, _sizes(card, 8, n, None))]
+    place = 8 + n + 1
+    while card.name == "PBEAML" and not card.is_blank(place, place + n + 3):
         at = card.real(place + 1, "X/XB", 1.0)
-        stations.append((at, _sizes(card, place + 2, shape.sizes, stations[0][1])))
-        place += shape.sizes + 3
+        stations.append((at, _sizes(card, place + 2, n, stations[0][1])))
+        place += n + 3
     made: list[BeamValues] = []
     for _, sizes in stations:
-        section = shape.values(*sizes[:-1]) if min(sizes[:-1]) >= 0 else None
+        section = shape(*sizes[:-1]) if min(sizes[:-1]) >= 0 else None
         if section is None or not section.area > 0:
             return f"the sizes {list(sizes[:-1])} do not make a section {word}"
         if card.name == "PBARL":

@@ -8,7 +8,7 @@ import numpy as np
 
 from supple.arrays import FloatArray, IntArray
 from supple.importers.deck import NodalMatrix
-from supple.importers.freedom_sums import FreedomSums, Terms, motion_along
+from supple.importers.freedom_sums import Terms, motion_along
 from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.cells import grids_named
 from supple.importers.nastran.deck_reading import DeckReading, times
@@ -23,7 +23,6 @@ POINT_PROPERTY_CARDS = ("PELAS", "PDAMP", "PMASS", "PBUSH", "PBUSH1D", "PVISC", 
 
 # Number of fields of one property; a card may define several properties.
 _PER_PROPERTY = {"PELAS": 4, "PDAMP": 2, "PMASS": 2, "PVISC": 4}
-_VALUES = {"CELAS": "PELAS", "CDAMP": "PDAMP", "CMASS": "PMASS"}
 
 
 Known = TypeVar("Known", BulkCard, tuple[BulkCard, int])
@@ -32,16 +31,16 @@ Known = TypeVar("Known", BulkCard, tuple[BulkCard, int])
 def read_point_elements(reading: DeckReading, materials: Materials) -> None:
     """Add every spring, damper and mass of the file to the reading."""
     scalars = {name: _several(reading.file.named(name), step) for name, step in _PER_PROPERTY.items()}
-    rows = {"CELAS": reading.springs, "CDAMP": reading.dashpots, "CMASS": reading.inertias}
-    factors = {
-        "CELAS": reading.stiffness_factor,
-        "CDAMP": reading.damping_factor,
-        "CMASS": reading.mass_factor,
-    }
-    for kind, of in _VALUES.items():
+    for kind, of, rows, factor in (
+        ("CELAS", "PELAS", reading.springs, reading.stiffness_factor),
+        ("CDAMP", "PDAMP", reading.dashpots, reading.damping_factor),
+        ("CMASS", "PMASS", reading.inertias, reading.mass_factor),
+    ):
         for form in "1234":
             for card in reading.file.named(f"{kind}{form}"):
-                _scalar(card, form, scalars[of], of, rows[kind], factors[kind], reading)
+                value, terms = _scalar(card, form, scalars[of], of, reading)
+                if value and terms:
+                    rows.add(terms, card.line, value=value * factor)
     for card in reading.file.named("CVISC"):
         _viscous(card, scalars["PVISC"], reading)
     for name, of, read in (
@@ -78,22 +77,16 @@ def _property(card: BulkCard, properties: dict[int, Known], of: str, reading: De
 
 
 def _scalar(
-    card: BulkCard,
-    form: str,
-    properties: dict[int, tuple[BulkCard, int]],
-    of: str,
-    rows: FreedomSums,
-    factor: float,
-    reading: DeckReading,
-) -> None:
+    card: BulkCard, form: str, properties: dict[int, tuple[BulkCard, int]], of: str, reading: DeckReading
+) -> tuple[float, Terms]:
     """EID, then property (forms 1, 3) or value (2, 4), then G1 C1 G2 C2 (1, 2) or S1 S2 (3, 4).
 
-    A blank point is ground.
+    A blank point is ground. Returns the value and the terms between the points.
     """
     if form in "13":
         found = _property(card, properties, of, reading)
         if found is None:
-            return
+            return 0.0, []
         known, place = found
         value = known.real(place + 1, "its value", 0.0)
     else:
@@ -105,8 +98,7 @@ def _scalar(
             number = card.integer(point, "a point")
             direction = 1 if component is None else card.integer(component, "a component", 0)
             terms += times(reading.freedom(card, number, direction), sign)
-    if value and terms:
-        rows.add(terms, card.line, value=value * factor)
+    return value, terms
 
 
 # --- springs between two grids in axes of their own

@@ -3,24 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from supple.importers.section_values import SectionValues, bar, box, closed, compact, thin, tube, walled
 from supple.mesh import Wall
-
-
-@dataclass(frozen=True)
-class SectionShape:
-    """A section shape.
-
-    sizes : number of its dimensions DIM1, DIM2, ..
-    values : function from the dimensions to section values; None if the dimensions are inconsistent
-    """
-
-    sizes: int
-    values: Callable[..., SectionValues | None]
 
 
 def _tube2(outer: float, thickness: float) -> SectionValues | None:
@@ -223,28 +210,28 @@ def _dbox(
     return walled(boxes, J)
 
 
-SHAPES = {
-    "ROD": SectionShape(1, lambda radius: tube(radius, 0.0, 0.9)),
-    "TUBE": SectionShape(2, tube),
-    "TUBE2": SectionShape(2, _tube2),
-    "BAR": SectionShape(2, bar),
-    "BOX": SectionShape(4, _box),
-    "BOX1": SectionShape(6, box),
-    "I": SectionShape(6, _i),
-    "I1": SectionShape(4, _i1),
-    "CHAN": SectionShape(4, _chan),
-    "CHAN1": SectionShape(4, _chan1),
-    "CHAN2": SectionShape(4, _chan2),
-    "T": SectionShape(4, _t),
-    "T1": SectionShape(4, _t1),
-    "T2": SectionShape(4, _t2),
-    "L": SectionShape(4, _l),
-    "CROSS": SectionShape(4, _cross),
-    "H": SectionShape(4, _h),
-    "Z": SectionShape(4, _z),
-    "HEXA": SectionShape(3, _hexa),
-    "HAT": SectionShape(4, _hat),
-    "HAT1": SectionShape(5, _hat1),
-    "DBOX": SectionShape(10, _dbox),
+SHAPES: dict[str, Callable[..., SectionValues | None]] = {
+    "ROD": lambda radius: tube(radius, 0.0, 0.9),
+    "TUBE": lambda outer, inner: tube(outer, inner, 0.5),
+    "TUBE2": _tube2,
+    "BAR": bar,
+    "BOX": _box,
+    "BOX1": box,
+    "I": _i,
+    "I1": _i1,
+    "CHAN": _chan,
+    "CHAN1": _chan1,
+    "CHAN2": _chan2,
+    "T": _t,
+    "T1": _t1,
+    "T2": _t2,
+    "L": _l,
+    "CROSS": _cross,
+    "H": _h,
+    "Z": _z,
+    "HEXA": _hexa,
+    "HAT": _hat,
+    "HAT1": _hat1,
+    "DBOX": _dbox,
 }
-"""The shapes of PBARL and PBEAML; arguments in the order of the sizes DIM1, DIM2 .."""
+"""The shapes of PBARL and PBEAML: functions of the sizes DIM1, DIM2 ..; None if these are inconsistent."""
