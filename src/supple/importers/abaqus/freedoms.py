@@ -6,9 +6,9 @@ import numpy as np
 
 from supple.arrays import FloatArray
 from supple.importers.abaqus.deck_model import AbaqusModel
-from supple.importers.abaqus.orientation import cylindrical_axes
+from supple.importers.abaqus.orientation import by_points
 from supple.importers.freedom_sums import Terms, motion_along
-from supple.importers.keyword_file import fields, numbers
+from supple.importers.keyword_file import fields
 
 
 class Freedoms:
@@ -25,25 +25,17 @@ class Freedoms:
             if not block.data:
                 raise model.file.error(block.line, "*TRANSFORM without its points; is the file cut short?")
             line, text = block.data[0]
-            values = np.array([*numbers(model.file, line, fields(text)), *6 * [0.0]][:6]).reshape(2, 3)
             name = block.options.get("NSET", "")
             nodes = model.nodes_of(placed.scope, name, block.line, "*TRANSFORM")
-            scope = model.scopes[placed.scope]
             kind = block.options.get("TYPE", "R").upper()[:1]
-            a, b = values @ scope.rotation.T
-            third = np.cross(a, b)
-            if not np.linalg.norm(third if kind == "R" else b - a) > 0:
-                raise model.file.error(line, "*TRANSFORM: its points give no axes; correct them")
-            if kind == "R":
-                axes = np.column_stack([a, np.cross(third, a), third])
-                axes = np.broadcast_to(axes / np.linalg.norm(axes, axis=0), (len(nodes), 3, 3))
-            elif kind == "C":
-                axes = cylindrical_axes(a + scope.shift, b + scope.shift, model.positions[nodes])
-            else:
+            if kind not in ("R", "C"):
                 model.report.leave_out(
                     f"*TRANSFORM, TYPE={kind}", block.line, "supports and constraints there are not rotated"
                 )
                 continue
+            # Directions from the origin of the instance, or an axis.
+            system = by_points(model, "*TRANSFORM", kind, 0, 0.0, placed.scope, line, fields(text)[:6])
+            axes = system.axes(model.positions[nodes], np.full(len(nodes), -1))
             self._axes.update(zip(nodes.tolist(), axes, strict=True))
 
     def of(self, node: int, component: int, factor: float = 1.0) -> Terms:

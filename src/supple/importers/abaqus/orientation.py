@@ -138,15 +138,16 @@ def read_orientations(model: AbaqusModel) -> Orientations:
         values = numbers(model.file, rows[1][0], turn) if turn else []
         # Without an axis, an angle is about axis 1.
         axis, angle = int(values[0] or 1) if values else 0, np.radians([*values, 0.0, 0.0][1])
-        by_points = partial(_by_points, model, name, system, axis if 1 <= axis <= 3 else 0, angle)
+        what = f"*ORIENTATION, NAME={name}"
+        of_points = partial(by_points, model, what, system, axis if 1 <= axis <= 3 else 0, angle)
         line, text = rows[0]
         distribution = distribution_of(placed.scope, fields(text)[0])
         if distribution is None:
-            found[placed.scope, name.upper()] = by_points(placed.scope, line, fields(text))
+            found[placed.scope, name.upper()] = of_points(placed.scope, line, fields(text))
         else:
             used.add(distribution)
             found[placed.scope, name.upper()] = _distributed(
-                model, placed.scope, given[distribution], by_points
+                model, placed.scope, given[distribution], of_points
             )
     for key, placed in given.items() if used else ():
         if key in used:
@@ -160,13 +161,13 @@ def _distributed(
     model: AbaqusModel,
     scope: int,
     placed: ScopedBlock,
-    by_points: Callable[[int, int, list[str]], Orientation],
+    of_points: Callable[[int, int, list[str]], Orientation],
 ) -> Orientation:
     """Axes by lines of an element or set and points; a line without elements is for all other elements."""
     whole, parts = None, []
     for line, text in placed.block.data:
         word, *rest = fields(text)
-        own = by_points(scope, line, rest)
+        own = of_points(scope, line, rest)
         if word:
             parts.append((model.elements_of(scope, word, line, "*DISTRIBUTION"), own))
         else:
@@ -179,9 +180,9 @@ def _distributed(
     return replace(whole, distributed=tuple(parts))
 
 
-def _by_points(
+def by_points(
     model: AbaqusModel,
-    name: str,
+    what: str,
     system: str,
     axis: int,
     angle: float,
@@ -189,11 +190,14 @@ def _by_points(
     line: int,
     words: list[str],
 ) -> Orientation:
-    """Axes by the coordinates of two points, or three."""
+    """Axes by the coordinates of two points, or three.
+
+    ImportFormatError, with the words `what`, if these give no axes.
+    """
     points = np.array([*numbers(model.file, line, words), *9 * [0.0]][:9]).reshape(3, 3)
     a, b, c = (points @ model.scopes[scope].rotation.T) + model.scopes[scope].shift
     if not np.linalg.norm(np.cross(a - c, b - c) if system in "RZ" else b - a) > 0:
-        raise model.file.error(line, f"*ORIENTATION, NAME={name}: its points give no axes; correct them")
+        raise model.file.error(line, f"{what}: its points give no axes; correct them")
     return Orientation(system, a, b, c, axis, angle)
 
 

@@ -211,7 +211,9 @@ class _Builder:
                 for own, side in section.sides(corners, numbers):
                     for name, made, places in own.properties(key, cells[side], block.type):
                         mine = side[places]
-                        along = own.directions(corners[mine], numbers[mine]) if own.has_directions else None
+                        along = None
+                        if own.homogeneous is None:  # the stiffness depends on a direction
+                            along = own.directions(corners[mine], numbers[mine])
                         append(name, made, mine=mine, directions=along)
             case SectionOfBeams():
                 axis_nodes = None if block.axis_nodes is None else positions[block.axis_nodes[element]]

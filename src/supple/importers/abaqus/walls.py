@@ -44,11 +44,6 @@ class SectionOfShells:
     added_mass: float = 0.0
     opposite: tuple[Ply, ...] | None = None
 
-    @property
-    def has_directions(self) -> bool:
-        """Whether its stiffness depends on a direction in the wall."""
-        return self.homogeneous is None
-
     def sides(self, corners: FloatArray, elements: IntArray) -> Iterator[tuple[SectionOfShells, IntArray]]:
         """The section, and the indices of the cells with corners (C, 3, 3) that have it."""
         if self.opposite is None or self.orientation is None:

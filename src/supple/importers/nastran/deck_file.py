@@ -261,10 +261,8 @@ def _deck(reading: DeckReading) -> Deck:
     materials, nonstructural = Materials(reading), read_added_mass(reading)
     elements: list[DeckElements] = []
     properties = {}
-    solids, found = read_solids(reading, materials)
-    elements += solids
-    properties |= found
     for cells, found in (
+        read_solids(reading, materials),
         read_shells(reading, materials, nonstructural),
         read_beams(reading, materials, nonstructural),
         read_rods(reading, materials, nonstructural),

@@ -61,52 +61,29 @@ def read_supports(reading: DeckReading, tied: Collection[int] = ()) -> dict[str,
     return {name: np.array(list(nodes), dtype=np.int64) for name, nodes in found.items() if nodes}
 
 
-_Supported = tuple[list[int], list[tuple[int, str]]]
+def _supported(card: BulkCard, reading: DeckReading) -> tuple[list[int], list[tuple[int, str]]]:
+    """Ids of the scalar points of an SPC or SPC1, and node and components of each of its grids.
 
-
-def _supported(card: BulkCard, reading: DeckReading) -> _Supported:
-    """Ids of the scalar points of an SPC or SPC1, and node and components of each of its grids."""
+    In an SPC1, G1 THRU G2 is all grids in the range, without components all scalar points. Other ids are
+    ignored, with a note.
+    """
     if card.name == "SPC1":
-        return _listed(card, 1, 2, reading)
-    if any(card.real(i + 2, "a displacement", 0.0) for i in (1, 4) if card.word(i)):
-        reading.note("Enforced displacements of SPC are not read; their freedoms are fixed.")
-    return _pairs(card, 1, 3, reading)
-
-
-def _pairs(card: BulkCard, start: int, step: int, reading: DeckReading) -> _Supported:
-    points: list[int] = []
-    found: list[tuple[int, str]] = []
-    for place in range(start, len(card.fields), step):
-        if card.word(place) in ("", "0"):
-            continue
-        number = card.integer(place, "a grid")
-        if reading.is_scalar(number):
-            points.append(number)
-            continue
-        found += [(node, _components(card, card.word(place + 1))) for node in _known(card, [number], reading)]
-    return points, found
-
-
-def _listed(card: BulkCard, components: int, start: int, reading: DeckReading) -> _Supported:
-    """Points of a list G1 G2 ..; G1 THRU G2 is all grids in the range, without components scalar points."""
-    ids: list[int] = []
-    between = np.sort(reading.scalar_points if card.word(components) in ("", "0") else reading.grids.ids)
-    for listed in card.ranges(range(start, len(card.fields)), "a grid"):
-        ids += listed if len(listed) == 1 else between[in_range(between, listed)].tolist()
-    is_scalar = positions_of_ids(reading.scalar_points, np.array(ids, dtype=np.int64))[1].tolist()
-    points, grids = ([n for n, own in zip(ids, is_scalar, strict=True) if own == of] for of in (True, False))
-    if not grids:
-        return points, []
-    what = _components(card, card.word(components))
-    return points, [(node, what) for node in _known(card, grids, reading)]
-
-
-def _known(card: BulkCard, ids: list[int], reading: DeckReading) -> list[int]:
-    """Numbers from 0 of the ids that are grids; other ids are ignored, with a note."""
-    numbers, known = reading.grids.lookup(np.array(ids, dtype=np.int64))
-    if not known.all():
+        word, listed = card.word(1), card.ranges(range(2, len(card.fields)), "a grid")
+        between = np.sort(reading.scalar_points if word in ("", "0") else reading.grids.ids)
+        inside = (each if len(each) == 1 else between[in_range(between, each)].tolist() for each in listed)
+        given = [(number, word) for each in inside for number in each]
+    else:
+        if any(card.real(i + 2, "a displacement", 0.0) for i in (1, 4) if card.word(i)):
+            reading.note("Enforced displacements of SPC are not read; their freedoms are fixed.")
+        places = (i for i in range(1, len(card.fields), 3) if card.word(i) not in ("", "0"))
+        given = [(card.integer(i, "a grid"), card.word(i + 1)) for i in places]
+    ids = np.array([number for number, _ in given], dtype=np.int64)
+    is_scalar = positions_of_ids(reading.scalar_points, ids)[1]
+    nodes, known = reading.grids.lookup(ids)
+    if not (known | is_scalar).all():
         reading.note(f"{card.name} cards name grids that the file does not define; these are ignored.")
-    return numbers[known].tolist()
+    grids = np.flatnonzero(known & ~is_scalar).tolist()
+    return ids[is_scalar].tolist(), [(int(nodes[i]), _components(card, given[i][1])) for i in grids]
 
 
 def _components(card: BulkCard, word: str) -> str:
