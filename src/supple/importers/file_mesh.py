@@ -14,6 +14,7 @@ from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import CellError, ImportFormatError, MeshError
 from supple.mesh import CellType, Mesh
 from supple.mesh.mesh import no_ids
+from supple.mesh.mesh_part import cell_sets_of
 
 __all__ = ["UnusedNodes"]
 
@@ -88,18 +89,10 @@ class FileMesh:
             raise ImportFormatError(f"{self.path}: no cell set '{name}' to read; the file has {known}")
         kept = {kind: np.sort(members) for kind, members in self.cell_sets[name].items()}
         cells = {kind: self.cells[kind][members] for kind, members in kept.items()}
-        cell_sets = {}
-        for other, by_kind in self.cell_sets.items():
-            shared = {
-                kind: np.flatnonzero(np.isin(members, by_kind[kind]))
-                for kind, members in kept.items()
-                if kind in by_kind
-            }
-            cell_sets[other] = {kind: members for kind, members in shared.items() if members.size}
         return replace(
             self,
             cells=cells,
-            cell_sets={n: members for n, members in cell_sets.items() if members},
+            cell_sets=cell_sets_of(self.cell_sets, kept),
             cell_origins={kind: of[kept[kind]] for kind, of in self.cell_origins.items() if kind in kept},
             cell_ids={kind: ids[kept[kind]] for kind, ids in self.cell_ids.items() if kind in kept},
         )

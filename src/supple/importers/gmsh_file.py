@@ -136,10 +136,6 @@ class _Section:
         """The next `n` numbers."""
         return self._taken(n, f"{self._order}f8", np.float64)
 
-    def table(self, n: int, layout: np.dtype) -> NDArray:
-        """The next `n` rows with this layout, in a binary file."""
-        return self._frombuffer(n, layout)
-
     def converted(self, words: list[bytes], dtype: type) -> NDArray:
         """Words of the text as numbers."""
         try:
@@ -158,13 +154,14 @@ class _Section:
 
     def _taken(self, n: int, layout: str, dtype: type) -> NDArray:
         if not self._is_text:
-            found = self._frombuffer(n, np.dtype(layout))
+            found = self.table(n, np.dtype(layout))
             if found.dtype.kind == "u" and (found > np.iinfo(np.int64).max).any():
                 raise self.error("a tag or count beyond 64 bits")
             return found.astype(dtype)
         return self.converted(self.words(n), dtype)
 
-    def _frombuffer(self, n: int, layout: np.dtype) -> NDArray:
+    def table(self, n: int, layout: np.dtype) -> NDArray:
+        """The next `n` rows with this layout, in a binary file."""
         left = len(self._bytes) - self._place
         if not 0 <= n <= left // layout.itemsize:
             raise self.error(

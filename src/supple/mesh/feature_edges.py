@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from supple.arrays import FloatArray, IntArray
@@ -17,12 +15,12 @@ def feature_edges(
     Where more than two triangles meet, an inner wall joins the skin, and the edge is not part of the outer
     shape.
     """
-    sides = _sides(triangles)
+    edges, count, edge, owner, _ = _sides(triangles)
     normal = _normals(nodes, triangles)
-    total = np.stack([np.bincount(sides.edge, normal[sides.owner, i], len(sides.edges)) for i in range(3)])
+    total = np.stack([np.bincount(edge, normal[owner, i], len(edges)) for i in range(3)])
     # The sum of two unit normals at an angle phi has the length 2 cos(phi / 2).
     folded = np.linalg.norm(total, axis=0) < 2.0 * np.cos(0.5 * fold_angle)
-    return sides.edges[(sides.count == 1) | ((sides.count == 2) & folded)]
+    return edges[(count == 1) | ((count == 2) & folded)]
 
 
 def silhouette_edges(nodes: FloatArray, triangles: IntArray, towards: FloatArray) -> IntArray:
@@ -30,32 +28,23 @@ def silhouette_edges(nodes: FloatArray, triangles: IntArray, towards: FloatArray
 
     towards : (3,) direction of the viewer, at infinity. Triangles may have any orientation.
     """
-    sides = _sides(triangles)
+    edges, count, edge, owner, sense = _sides(triangles)
     facing = np.sign(_normals(nodes, triangles) @ towards)
     # Triangles of equal orientation run along their common edge in opposite senses.
-    seen = np.bincount(sides.edge, sides.sense * facing[sides.owner], len(sides.edges))
-    return sides.edges[(sides.count == 2) & (np.abs(seen) == 2)]
+    seen = np.bincount(edge, sense * facing[owner], len(edges))
+    return edges[(count == 2) & (np.abs(seen) == 2)]
 
 
-class _Sides(NamedTuple):
-    """The distinct edges of triangles, and the three sides of every triangle, each on one of these edges.
+def _sides(triangles: IntArray) -> tuple[IntArray, IntArray, IntArray, IntArray, IntArray]:
+    """The distinct edges (e, 2) of triangles with their numbers of triangles (e,), and all sides (3 T,).
 
-    edges : (e, 2);  count : (e,) number of triangles at each edge
-    edge, owner, sense : (3 T,) edge and triangle of each side; 1 if it runs to the higher node number, or -1
+    The last three arrays are the edge and the triangle of each side, and its sense: 1 if it runs to the
+    higher node number, or -1.
     """
-
-    edges: IntArray
-    count: IntArray
-    edge: IntArray
-    owner: IntArray
-    sense: IntArray
-
-
-def _sides(triangles: IntArray) -> _Sides:
     pairs = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges, edge, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
     sense = np.where(pairs[:, 0] < pairs[:, 1], 1, -1)
-    return _Sides(edges, count, edge, np.repeat(np.arange(len(triangles)), 3), sense)
+    return edges, count, edge, np.repeat(np.arange(len(triangles)), 3), sense
 
 
 def _normals(nodes: FloatArray, triangles: IntArray) -> FloatArray:

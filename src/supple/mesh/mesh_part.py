@@ -62,7 +62,7 @@ def mesh_part(
         mesh.nodes[nodes],
         {kind: np.searchsorted(nodes, mesh.cells[kind][numbers]) for kind, numbers in kept.items()},
         sets,
-        _cell_sets(mesh, kept),
+        cell_sets_of(mesh.cell_sets, kept),
         mesh.node_ids[nodes],
         {kind: mesh.cell_ids[kind][numbers] for kind, numbers in kept.items()},
         np.searchsorted(nodes, links),
@@ -70,10 +70,12 @@ def mesh_part(
     return MeshPart(part, nodes, kept)
 
 
-def _cell_sets(mesh: Mesh, kept: Mapping[CellType, IntArray]) -> dict[str, dict[CellType, IntArray]]:
-    """The cell sets of a mesh, restricted to the kept cells and renumbered."""
+def cell_sets_of(
+    cell_sets: Mapping[str, Mapping[CellType, IntArray]], kept: Mapping[CellType, IntArray]
+) -> dict[str, dict[CellType, IntArray]]:
+    """The cell sets of a mesh, restricted to the kept cells and renumbered, without empty ones."""
     found = {}
-    for name, members in mesh.cell_sets.items():
+    for name, members in cell_sets.items():
         own = {
             kind: np.flatnonzero(np.isin(numbers, members[kind]))
             for kind, numbers in kept.items()

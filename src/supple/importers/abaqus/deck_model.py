@@ -23,7 +23,7 @@ from supple.importers.abaqus.generated_elements import copied_elements, generate
 from supple.importers.abaqus.nodes import NODE_KEYWORDS, each_once, plain_ids, read_nodes
 from supple.importers.abaqus.report import Report
 from supple.importers.keyword_file import IntegerRows, KeywordBlock, KeywordFile, fields, integers
-from supple.importers.numbering import Labels
+from supple.importers.numbering import Labels, in_range
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
 
@@ -457,15 +457,12 @@ def _generated_members(
         )
     mine = labels.of(scope)
     ids = labels.ids[mine]
-    inside = mine[(ids >= first) & (ids <= last) & ((ids - first) % step == 0)]
-    inside = inside[np.argsort(labels.ids[inside], kind="stable")]
-    # A range longer than the list of ids contains an unknown id; the rest of the range need not be checked.
-    wanted = first + step * np.arange(min((last - first) // step, len(ids)) + 1, dtype=np.int64)
-    unknown = wanted[~np.isin(wanted, ids)]
-    if unknown.size:
-        find = model.nodes_of if of_nodes else model.elements_of
-        find(scope, str(unknown[0]), line, what)
-    return inside
+    listed = range(first, last + 1, step)
+    inside = mine[in_range(ids, listed)]
+    if len(inside) < len(listed):
+        known, find = set(ids.tolist()), model.nodes_of if of_nodes else model.elements_of
+        find(scope, str(next(number for number in listed if number not in known)), line, what)
+    return inside[np.argsort(labels.ids[inside], kind="stable")]
 
 
 # --- surfaces

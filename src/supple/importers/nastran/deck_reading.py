@@ -14,6 +14,7 @@ from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 from supple.importers.nastran.case_control import CaseControl
 from supple.importers.nastran.grids import CoordinateSystem, GridPoints
 from supple.importers.numbering import positions_of_ids
+from supple.importers.plain_number import is_plain_digits
 
 # Provisional number of the first scalar point; `final_freedoms` replaces it by the number of nodes.
 _SCALARS = 2**40
@@ -112,6 +113,13 @@ class DeckReading:
     def node(self, card: BulkCard, place: int, what: str) -> int:
         """Number from 0 of the grid in a field; ImportFormatError for a missing grid."""
         return int(self.grids.numbers(card, [card.integer(place, what)])[0])
+
+    def vector(self, card: BulkCard, node: int, start: FloatArray, *, basic: bool = False) -> FloatArray:
+        """The vector X1 X2 X3 of an element in axes CD of a node, or basic ones; to G0 from `start`."""
+        if is_plain_digits(card.word(4)) and card.is_blank(5, 7):
+            return self.grids.positions[self.node(card, 4, "the grid G0")] - start
+        given = np.array([card.real(4 + i, f"X{i + 1}", 0.0) for i in range(3)])
+        return given if basic else self.grids.axes[node] @ given
 
     def positions(self, nodes: IntArray) -> FloatArray:
         """Positions (.., 3) of nodes, also of added nodes."""

@@ -23,7 +23,6 @@ from supple.importers.nastran.line_properties import (
     rod,
 )
 from supple.importers.nastran.materials import Materials
-from supple.importers.plain_number import is_plain_digits
 from supple.mesh import CellType
 
 BEAM_CARDS = ("CBAR", "CBEAM", "CBEND")
@@ -175,11 +174,7 @@ def _orientation(card: BulkCard, ends: list[int], reading: DeckReading) -> tuple
 
 def _vector(card: BulkCard, node: int, start: FloatArray, reading: DeckReading, *, basic: bool) -> FloatArray:
     """Unit vector from `start` to grid G0, or along (X1, X2, X3) in axes CD of `node`, or basic ones."""
-    if is_plain_digits(card.word(4)) and card.is_blank(5, 7):
-        vector = reading.grids.positions[reading.node(card, 4, "the grid G0")] - start
-    else:
-        given = np.array([card.real(4 + i, f"X{i + 1}", 0.0) for i in range(3)])
-        vector = given if basic else reading.grids.axes[node] @ given
+    vector = reading.vector(card, node, start, basic=basic)
     length = np.linalg.norm(vector)
     if not length > 0:
         raise card.error("its orientation (X1 X2 X3, or G0) is missing; give a vector across the beam")

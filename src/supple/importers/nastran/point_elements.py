@@ -13,7 +13,6 @@ from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.cells import grids_named
 from supple.importers.nastran.deck_reading import DeckReading, times
 from supple.importers.nastran.materials import Materials
-from supple.importers.plain_number import is_plain_digits
 
 POINT_CARDS = (
     "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CDAMP1", "CDAMP2", "CDAMP3", "CDAMP4", "CMASS1", "CMASS2",
@@ -189,12 +188,7 @@ def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: 
     """
     if card.word(7):
         return reading.system(card, card.integer(7, "CID")).directions(xa[None])[0]
-    chord = xb - xa
-    if is_plain_digits(card.word(4)) and card.is_blank(5, 7):
-        vector = reading.grids.positions[reading.node(card, 4, "the grid G0")] - xa
-    else:
-        given = np.array([card.real(4 + i, f"X{i + 1}", 0.0) for i in range(3)])
-        vector = reading.grids.axes[a] @ given
+    chord, vector = xb - xa, reading.vector(card, a, xa)
     length = np.linalg.norm(chord)
     if not length > 0:
         return np.identity(3)
