@@ -12,7 +12,7 @@ from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.numbering import positions_of_ids
-from supple.importers.text_file import file_content
+from supple.importers.text_file import file_content, unreadable
 from supple.mesh import Mesh
 
 __all__ = ["read_ansys"]
@@ -71,10 +71,7 @@ def read_ansys(
         node_parts = {name: np.array(each, dtype=np.int64) for name, each in archive.node_components.items()}
         parts = {name: np.array(each, dtype=np.int64) for name, each in archive.element_components.items()}
     except Exception as error:  # the library raises any error on a damaged file
-        raise ImportFormatError(
-            f"{path}: not readable as an Ansys archive ({type(error).__name__}: {error}); is it "
-            "cut short? Write it again"
-        ) from error
+        raise unreadable(path, "an Ansys archive", error) from error
     blocks = _blocks(path, elements, routines, ids, parts)
     sets = {}
     for name, members in node_parts.items():

@@ -19,7 +19,7 @@ from supple.copied_hdf5 import open_copied
 from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import LAYERED, CellBlock, file_mesh
 from supple.importers.file_mesh import FileMesh, UnusedNodes
-from supple.importers.text_file import file_content
+from supple.importers.text_file import file_content, unreadable
 from supple.mesh import CellType, Mesh
 
 __all__ = ["EXODUS_SUFFIXES", "read_exodus"]
@@ -67,10 +67,7 @@ def read_exodus(
         parts = _parts(path)
         return _file_mesh(path, parts).to_mesh(only=only, unused_nodes=unused_nodes)
     except (KeyError, IndexError, OSError, TypeError, ValueError, OverflowError, AttributeError) as error:
-        raise ImportFormatError(
-            f"{path}: not readable as Exodus ({type(error).__name__}: {error}); is it cut short? Write it "
-            "again"
-        ) from error
+        raise unreadable(path, "Exodus", error) from error
 
 
 def _parts(path: Path) -> _Parts:

@@ -30,6 +30,13 @@ def file_content(path: Path | Traversable) -> bytes:
         ) from error
 
 
+def unreadable(path: Path, form: str, error: Exception) -> ImportFormatError:
+    """The error for a file whose reader fails with another error."""
+    return ImportFormatError(
+        f"{path}: not readable as {form} ({type(error).__name__}: {error}); is it cut short? Write it again"
+    )
+
+
 def is_file(path: Path | Traversable) -> bool:
     """Whether a file exists; also False for an impossible name."""
     try:

@@ -59,8 +59,7 @@ def _rows(path: Path) -> FloatArray:
         if len(rows[-1]) != len(rows[0]):
             raise ImportFormatError(
                 f"{path}, line {number}: {len(rows[-1])} numbers, and {len(rows[0])} above; write rows of "
-                "two "
-                "numbers, time,value"
+                "two numbers, time,value"
             )
     return np.array(rows, dtype=np.float64).reshape(len(rows), -1 if rows else 0)
 

@@ -145,10 +145,9 @@ def _check_orphan_nodes(
     if bad.size:
         raise MeshError(
             f"{_some('orphan node', names.node_ids[bad])}: no cell uses them; node "
-            f"{names.node_ids[bad[0]]} is at "
-            f"{_point(nodes[bad[0]])}; remove unused nodes in the mesher (Gmsh: define physical "
-            "groups; only their nodes are then saved), or in Python: "
-            "read_mesh(.., unused_nodes=UnusedNodes.DROP)"
+            f"{names.node_ids[bad[0]]} is at {_point(nodes[bad[0]])}; remove unused nodes in the mesher (Gmsh: "
+            "define physical groups; only their nodes are then saved), or in Python: read_mesh(.., "
+            "unused_nodes=UnusedNodes.DROP)"
         )
 
 
@@ -222,8 +221,7 @@ def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, n
     if bad.size:
         raise CellError(
             f"{_some(f'inverted {kind.name} cell', ids[bad])}: the Jacobian is negative at an integration "
-            "point; "
-            f"{_cell(nodes, kind, array, bad[0], names)}; reorder its nodes as in CellType.{kind.name}, "
+            f"point; {_cell(nodes, kind, array, bad[0], names)}; reorder its nodes as in CellType.{kind.name}, "
             "straighten its sides, or remesh there",
             kind.name,
             int(bad[0]),

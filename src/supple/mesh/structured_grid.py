@@ -32,8 +32,7 @@ def check_counts(least: int = 1, **counts: int) -> None:
     if cells > MOST_CELLS:
         raise MeshError(
             f"{' x '.join(f'{name} = {count}' for name, count in counts.items())} make {cells:.3g} cells; "
-            "at most "
-            f"{MOST_CELLS} are made: choose fewer"
+            f"at most {MOST_CELLS} are made: choose fewer"
         )
 
 

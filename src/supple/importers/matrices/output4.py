@@ -19,7 +19,7 @@ from supple.importers.matrices.labelled_matrix import (
     chosen_name,
 )
 from supple.importers.node_table import NodeTable
-from supple.importers.text_file import file_content
+from supple.importers.text_file import file_content, unreadable
 
 _TEXT_FORMAT = re.compile(rb"[0-9]E[0-9]+\.([0-9]+)")
 _REAL_SINGLE = 1
@@ -98,10 +98,7 @@ def _load(path: Path) -> dict[str, tuple[csc_array, int]]:
             warnings.simplefilter("ignore")
             names, matrices, _, kinds = op4.read(str(path), into="list", sparse=True)
     except Exception as error:  # the library raises any error on a damaged file
-        raise ImportFormatError(
-            f"{path}: not readable as {form} ({type(error).__name__}: {error}); is it cut short? Write it "
-            "again"
-        ) from error
+        raise unreadable(path, form, error) from error
     if not names:
         raise ImportFormatError(f"{path}: no matrix in this file; is it OUTPUT4, and complete?")
     return {
@@ -125,8 +122,7 @@ def _check_records(path: Path, content: bytes) -> None:
         if length < 3 * key or content[end : end + 4] != content[place : place + 4]:
             raise ImportFormatError(
                 f"{path}: not readable as OUTPUT4 (the record at byte {place} is broken); is it cut short? "
-                "Write it "
-                "again"
+                "Write it again"
             )
         first, _, words = struct.unpack_from(f"{order}3{'i' if key == 4 else 'q'}", content, place + 4)
         if not columns_left:
@@ -134,8 +130,7 @@ def _check_records(path: Path, content: bytes) -> None:
         elif 3 * key + words * key != length:
             raise ImportFormatError(
                 f"{path}: not readable as OUTPUT4 (column {first} states {words} words in a record of "
-                f"{length} "
-                "bytes); write it again"
+                f"{length} bytes); write it again"
             )
         else:
             columns_left = first <= n_columns

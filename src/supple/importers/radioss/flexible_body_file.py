@@ -80,8 +80,7 @@ class FlexibleBodyFile:
                 )
         if f not in (0, 12, 15) or not 0 <= self.n_static <= k:
             raise ImportFormatError(
-                f"a flexible-body file has 12 or 15 frame modes, or none, and at most as many static "
-                f"modes as "
+                "a flexible-body file has 12 or 15 frame modes, or none, and at most as many static modes as "
                 f"modes; got {f} and {self.n_static} of {k}"
             )
         if N and not 0 <= np.min(self.node_ids) <= np.max(self.node_ids) <= _LARGEST_ID:
@@ -212,8 +211,7 @@ def _read(
             except ValueError:
                 raise ImportFormatError(
                     f"{path}, line {number}, columns {column * width + 1} to {(column + 1) * width}: "
-                    f"expected a "
-                    f"number, got '{word}'"
+                    f"expected a number, got '{word}'"
                 ) from None
             if not np.isfinite(value):
                 raise ImportFormatError(f"{path}, line {number}: '{word}' is not finite")
