@@ -145,9 +145,9 @@ def _check_orphan_nodes(
     if bad.size:
         raise MeshError(
             f"{_some('orphan node', names.node_ids[bad])}: no cell uses them; node "
-            f"{names.node_ids[bad[0]]} is at {_point(nodes[bad[0]])}; remove unused nodes in the mesher (Gmsh: "
-            "define physical groups; only their nodes are then saved), or in Python: read_mesh(.., "
-            "unused_nodes=UnusedNodes.DROP)"
+            f"{names.node_ids[bad[0]]} is at {_point(nodes[bad[0]])}; remove unused nodes in the mesher "
+            "(Gmsh: define physical groups; only their nodes are then saved), or in Python: "
+            "read_mesh(.., unused_nodes=UnusedNodes.DROP)"
         )
 
 
@@ -189,7 +189,8 @@ def _check_line_lengths(nodes: FloatArray, lines: IntArray, names: _Names) -> No
     length = np.linalg.norm(nodes[lines[:, 1]] - nodes[lines[:, 0]], axis=1)
     bad = np.flatnonzero(length <= SHORTEST_LINE * np.ptp(nodes, axis=0).max())
     if bad.size:
-        _refuse(nodes, kind, lines, bad, names, "no length", "move or merge its nodes, or remove it")
+        what = "degenerate", ", with (almost) no length"
+        _refuse(nodes, kind, lines, bad, names, what, "move or merge its nodes, or remove it")
 
 
 def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names) -> None:
@@ -202,7 +203,8 @@ def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names)
     )
     bad = np.flatnonzero(twice_area <= FLATTEST_TRIANGLE * longest**2)
     if bad.size:
-        _refuse(nodes, kind, triangles, bad, names, "no area", "move or merge its nodes, or remove it")
+        what = "degenerate", ", with (almost) no area"
+        _refuse(nodes, kind, triangles, bad, names, what, "move or merge its nodes, or remove it")
 
 
 def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, names: _Names) -> None:
@@ -219,25 +221,28 @@ def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, n
         np.minimum(smallest, np.linalg.det(np.einsum("eai,aj->eij", corners, gradient)), out=smallest)
     bad = np.flatnonzero(smallest < -FLATTEST_SOLID * extent**3)
     if bad.size:
-        raise CellError(
-            f"{_some(f'inverted {kind.name} cell', ids[bad])}: the Jacobian is negative at an integration "
-            f"point; {_cell(nodes, kind, array, bad[0], names)}; reorder its nodes as in CellType.{kind.name}, "
-            "straighten its sides, or remesh there",
-            kind.name,
-            int(bad[0]),
-        )
+        what = "inverted", ": the Jacobian is negative at an integration point"
+        remedy = f"reorder its nodes as in CellType.{kind.name}, straighten its sides, or remesh there"
+        _refuse(nodes, kind, array, bad, names, what, remedy)
     bad = np.flatnonzero(smallest <= FLATTEST_SOLID * extent**3)
     if bad.size:
-        lacks = "no volume at an integration point"
-        _refuse(nodes, kind, array, bad, names, lacks, "move its nodes, or remesh there")
+        what = "degenerate", ", with (almost) no volume at an integration point"
+        _refuse(nodes, kind, array, bad, names, what, "move its nodes, or remesh there")
 
 
 def _refuse(
-    nodes: FloatArray, kind: CellType, array: IntArray, bad: IntArray, names: _Names, lacks: str, remedy: str
+    nodes: FloatArray,
+    kind: CellType,
+    array: IntArray,
+    bad: IntArray,
+    names: _Names,
+    what: tuple[str, str],
+    remedy: str,
 ) -> NoReturn:
-    """Raise CellError for degenerate cells."""
+    """Raise CellError for cells of one kind; what : words before and after their number and ids."""
+    before, after = what
     raise CellError(
-        f"{_some(f'degenerate {kind.name} cell', names.cell_ids[kind][bad])}, with (almost) {lacks}; "
+        f"{_some(f'{before} {kind.name} cell', names.cell_ids[kind][bad])}{after}; "
         f"{_cell(nodes, kind, array, bad[0], names)}; {remedy}",
         kind.name,
         int(bad[0]),
