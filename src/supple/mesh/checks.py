@@ -213,7 +213,7 @@ def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, n
     Elsewhere, above all at nodes, the Jacobian of a coarse cell with curved sides may be negative; its mass
     and stiffness are still correct.
     """
-    corners, ids = nodes[array], names.cell_ids[kind]
+    corners = nodes[array]
     extent = np.ptp(corners, axis=1).max(axis=1)
     gradients = shape_gradients(kind, strain_rule(kind).points)
     smallest = np.full(len(array), np.inf)

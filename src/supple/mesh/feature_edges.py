@@ -6,11 +6,11 @@ import numpy as np
 
 from supple.arrays import FloatArray, IntArray
 
+FOLD_ANGLE = np.radians(30.0)
 
-def feature_edges(
-    nodes: FloatArray, triangles: IntArray, *, fold_angle: float = np.radians(30.0)
-) -> IntArray:
-    """Edges (k, 2) of one triangle only, or between two triangles at an angle above the fold angle.
+
+def feature_edges(nodes: FloatArray, triangles: IntArray) -> IntArray:
+    """Edges (k, 2) of one triangle only, or between two triangles at an angle above FOLD_ANGLE.
 
     Where more than two triangles meet, an inner wall joins the skin, and the edge is not part of the outer
     shape.
@@ -19,7 +19,7 @@ def feature_edges(
     normal = _normals(nodes, triangles)
     total = np.stack([np.bincount(edge, normal[owner, i], len(edges)) for i in range(3)])
     # The sum of two unit normals at an angle phi has the length 2 cos(phi / 2).
-    folded = np.linalg.norm(total, axis=0) < 2.0 * np.cos(0.5 * fold_angle)
+    folded = np.linalg.norm(total, axis=0) < 2.0 * np.cos(0.5 * FOLD_ANGLE)
     return edges[(count == 1) | ((count == 2) & folded)]
 
 

@@ -150,11 +150,8 @@ def circular_section(radius: float, inner: float = 0.0) -> SectionGeometry:
     return SectionGeometry(places, shear, (_around(radius, ROUND_CORNERS),), hole)
 
 
-def walled_section(walls: Sequence[Wall], *, box: tuple[Loop, Loop] | None = None) -> SectionGeometry:
-    """A section of rectangles; the points are corners of its convex hull, where bending stress is largest.
-
-    box : outer and inner rim of walls that form one closed box, for graphics
-    """
+def walled_section(walls: Sequence[Wall]) -> SectionGeometry:
+    """A section of rectangles; the points are corners of its convex hull, where bending stress is largest."""
     owners = [(corner, wall) for wall in walls if min(wall.height, wall.width) > 0 for corner in wall.corners]
     hull = np.array(_convex_hull([corner for corner, _ in owners]))
     # The points start at the upper right and go towards -y, as C, D, E, F of Nastran's shapes.
@@ -166,11 +163,8 @@ def walled_section(walls: Sequence[Wall], *, box: tuple[Loop, Loop] | None = Non
         own = [wall for corner, wall in owners if np.abs(place - corner).max() <= SAME_PLACE * size]
         return max(own, key=lambda wall: abs(wall.shear)).shear_stress
 
-    loops = tuple(wall.corners for wall in walls) if box is None else (box[0],)
-    points = tuple((float(y), float(z)) for y, z in hull)
-    return SectionGeometry(
-        points, tuple(shear(place) for place in hull), loops, () if box is None else box[1]
-    )
+    points, shears = tuple((float(y), float(z)) for y, z in hull), tuple(shear(place) for place in hull)
+    return SectionGeometry(points, shears, tuple(wall.corners for wall in walls))
 
 
 def _convex_hull(places: list[Point]) -> list[Point]:
