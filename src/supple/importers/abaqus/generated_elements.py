@@ -44,12 +44,7 @@ def generated_elements(
             k = np.arange(count)
             nodes = (nodes + node_step * k[:, None, None]).reshape(-1, nodes.shape[1])
             ids = (ids + id_step * k[:, None]).ravel()
-        numbers, known = node_labels.numbers(placed.scope, nodes[1:])
-        if not known.all():
-            raise file.error(
-                line,
-                f"*ELGEN makes an element with node {nodes[1:][~known][0]}, which the file does not define",
-            )
+        numbers = _numbers(file, line, node_labels, placed, nodes[1:])
         lines = np.full(len(ids) - 1, line)
         name, scope = placed.block.options.get("ELSET"), placed.scope
         found.append(ElementBlock(source.type, scope, 0, ids[1:], numbers, lines, name, master=master))
@@ -90,13 +85,7 @@ def copied_elements(
         n, given = source.type.n_nodes, source.nodes[own]
         if source.axis_nodes is not None:
             given = np.column_stack([given, source.axis_nodes[own]])
-        ids = node_labels.ids[given] + nodes_by
-        numbers, known = node_labels.numbers(placed.scope, ids)
-        if not known.all():
-            raise file.error(
-                block.line,
-                f"*ELCOPY makes an element with node {ids[~known][0]}, which the file does not define",
-            )
+        numbers = _numbers(file, block.line, node_labels, placed, node_labels.ids[given] + nodes_by)
         order = _reflected(source.type) if "REFLECT" in block.options else np.arange(n)
         found.append(
             ElementBlock(
@@ -113,6 +102,15 @@ def copied_elements(
     if not found:
         raise file.error(block.line, f"*ELCOPY: there are no elements of set '{name}' above it; correct it")
     return found
+
+
+def _numbers(file: KeywordFile, line: int, labels: Labels, placed: ScopedBlock, ids: IntArray) -> IntArray:
+    """Numbers of the nodes of made elements; ImportFormatError for a node that the file does not define."""
+    numbers, known = labels.numbers(placed.scope, ids)
+    if not known.all():
+        what = f"*{placed.block.key} makes an element with node {ids[~known][0]}"
+        raise file.error(line, f"{what}, which the file does not define")
+    return numbers
 
 
 def _reflected(kind: ElementType) -> IntArray:

@@ -142,8 +142,8 @@ class DeckReading:
         A scalar point is one freedom, whatever the component. ImportFormatError for a missing point, or a
         component of a grid that is not 1 to 6.
         """
-        if self.is_scalar(point):
-            number, _ = positions_of_ids(self.scalar_points, np.array([point]))
+        number, known = positions_of_ids(self.scalar_points, np.array([point]))
+        if known[0]:
             return [(6 * (_SCALARS + int(number[0])), 1.0)]
         (node,) = self.grids.numbers(card, [point]).tolist()
         if not 1 <= component <= 6:

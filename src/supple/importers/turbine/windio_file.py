@@ -22,19 +22,6 @@ Tree: TypeAlias = "str | list[Tree] | dict[str, Tree]"
 _LOADER: type[yaml.BaseLoader] = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
 
 
-def _parsed(path: Path) -> Tree:
-    text = file_text(path, "save it as YAML")
-    try:
-        # Scalars stay text: YAML 1.1 would convert 1_000, 1:30 and 010 to other numbers.
-        return yaml.load(text, Loader=_LOADER)
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        if isinstance(error, RecursionError) or "nesting depth" in str(error):
-            raise ImportFormatError(
-                f"{path}: its lists and entries nest too deep to be read; is this a windIO turbine file?"
-            ) from None
-        raise ImportFormatError(f"{path}: not readable as YAML ({error}); save it again") from error
-
-
 @dataclass(frozen=True)
 class WindioFile:
     """A windIO file, or an entry of one."""
@@ -45,7 +32,16 @@ class WindioFile:
     @classmethod
     def read(cls, path: str | Path) -> Self:
         """The file; ImportFormatError if it is missing or no YAML."""
-        return cls(Path(path), _parsed(Path(path)))
+        text = file_text(Path(path), "save it as YAML")
+        try:
+            # Scalars stay text: YAML 1.1 would convert 1_000, 1:30 and 010 to other numbers.
+            return cls(Path(path), yaml.load(text, Loader=_LOADER))
+        except (yaml.YAMLError, ValueError, RecursionError) as error:
+            if isinstance(error, RecursionError) or "nesting depth" in str(error):
+                raise ImportFormatError(
+                    f"{path}: its lists and entries nest too deep to be read; is this a windIO turbine file?"
+                ) from None
+            raise ImportFormatError(f"{path}: not readable as YAML ({error}); save it again") from error
 
     def entry(self, *keys: str) -> Tree:
         """The value under nested keys; ImportFormatError without one."""
