@@ -41,12 +41,12 @@ def read_abaqus_deck(path: str | Path) -> Deck:
     """
     file = read_keyword_file(Path(path))
     model = read_model(file)
-    report, ids = model.report, public_ids(model)
+    report, (node_ids, element_ids) = model.report, public_ids(model)
     orientations = read_orientations(model)
     freedoms = Freedoms(model)
-    constraints = read_constraints(model, freedoms, ids, orientations)
+    constraints = read_constraints(model, freedoms, node_ids, orientations)
     read_ties(model, constraints.rows)
-    elements, properties = read_elements(model, ids, orientations)
+    elements, properties = read_elements(model, element_ids, orientations)
     inertias, masses = read_masses(model, orientations)
     springs = read_springs(model, freedoms, Family.SPRING, "SPRING")
     dashpots = read_springs(model, freedoms, Family.DASHPOT, "DASHPOT")
@@ -59,12 +59,12 @@ def read_abaqus_deck(path: str | Path) -> Deck:
             node_sets[f"surface {name}" if name in node_sets else name] = surface.nodes
     deck = Deck(
         Path(path),
-        ids.nodes,
+        node_ids,
         model.positions,
         elements,
         properties,
         node_sets,
-        {name: ids.elements[of] for name, of in public_sets(model, model.element_sets).items()},
+        {name: element_ids[of] for name, of in public_sets(model, model.element_sets).items()},
         masses=masses,
         springs=springs,
         dashpots=dashpots,

@@ -15,7 +15,6 @@ from supple.importers.abaqus.deck_model import AbaqusModel, DeckSurface
 from supple.importers.abaqus.element_types import Family
 from supple.importers.abaqus.freedoms import Freedoms
 from supple.importers.abaqus.orientation import Orientations, nodal_axes
-from supple.importers.abaqus.public_names import PublicIds
 from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.freedom_sums import FreedomSums, Terms, motion_along, relative_motion
 from supple.importers.keyword_file import fields, numbers
@@ -27,7 +26,7 @@ _MPC_NODES = {"TIE": 2, "PIN": 2, "BEAM": 2, "LINK": 2, "LINEAR": 3, "SLIDER": 3
 
 
 def read_constraints(
-    model: AbaqusModel, freedoms: Freedoms, ids: PublicIds, orientations: Orientations
+    model: AbaqusModel, freedoms: Freedoms, node_ids: IntArray, orientations: Orientations
 ) -> DeckConstraints:
     """All constraints of a file except *TIE.
 
@@ -39,7 +38,7 @@ def read_constraints(
     ------
     ImportFormatError   incomplete equations; words instead of numbers
     """
-    found = DeckConstraints(model, freedoms, ids, orientations)
+    found = DeckConstraints(model, freedoms, node_ids, orientations)
     for placed in model.named("RIGIDBODY"):
         found.add_rigid_body(placed)
     for placed in model.named("EQUATION"):
@@ -69,7 +68,7 @@ class DeckConstraints:
 
     model: AbaqusModel
     freedoms: Freedoms
-    ids: PublicIds
+    node_ids: IntArray
     orientations: Orientations
     rows: FreedomSums = field(default_factory=FreedomSums)
     rigid: list[RigidTie] = field(default_factory=list)
@@ -148,7 +147,7 @@ class DeckConstraints:
             for first, *others in groups:
                 if kind == "BEAM":
                     (second,) = others
-                    self._add_rigid(f"mpc_{self.ids.nodes[second]}", second, np.array([first]), line)
+                    self._add_rigid(f"mpc_{self.node_ids[second]}", second, np.array([first]), line)
                 else:
                     for terms, dependent in mpc_rows(kind, first, others, model.positions):
                         self.rows.add(terms, model.file.numbers[line], dependent=dependent)
@@ -202,7 +201,7 @@ class DeckConstraints:
         nodes = np.concatenate([np.empty(0, dtype=np.int64), *tied])
         if not len(nodes) and not pinned:
             model.report.leave_out_block(block, "it ties no node")
-        self._add_rigid(f"rigid_body_{self.ids.nodes[reference]}", reference, nodes, block.line)
+        self._add_rigid(f"rigid_body_{self.node_ids[reference]}", reference, nodes, block.line)
         for node in pinned:
             for i in range(3):
                 self._add_follower(node, reference, np.eye(3)[i], block.line, dependent=6 * node + i)
@@ -235,7 +234,7 @@ class DeckConstraints:
             meaning = f"its surface '{block.options.get('SURFACE', '')}' is not read"
             model.report.leave_out_block(block, meaning)
             return
-        name = block.options.get("CONSTRAINTNAME") or f"coupling_{self.ids.nodes[reference]}"
+        name = block.options.get("CONSTRAINTNAME") or f"coupling_{self.node_ids[reference]}"
         components = self._range_of_components(kind)
         near = surface.nodes != reference
         if "INFLUENCERADIUS" in block.options:
@@ -331,7 +330,7 @@ class DeckConstraints:
             coupled = {tuple(sorted({c for each in coupled for c in each})): groups[0]}
         every = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *coupled.values()]))
         axes = self._axes(placed, every, coupled)
-        name = f"coupling_{self.ids.nodes[reference]}"
+        name = f"coupling_{self.node_ids[reference]}"
         for components, nodes in coupled.items():
             own = axes[np.searchsorted(every, nodes)]
             self._add_kinematic(name, reference, nodes, components, placed.block.line, own)
@@ -358,7 +357,7 @@ class DeckConstraints:
             model.report.leave_out_block(block, "it ties no node")
             return
         reference, line = int(references[0]), int(model.file.numbers[block.line])
-        name = f"coupling_{self.ids.nodes[reference]}"
+        name = f"coupling_{self.node_ids[reference]}"
         mean = WeightedMean(name, reference, np.concatenate(nodes), np.concatenate(weights), line)
         self.means.append(mean)
 

@@ -61,7 +61,7 @@ def read_abaqus(
         for kind, cells, owner in cells_of(block.type, block.nodes, model.positions)
     ]
     owner_of = joined((kind, block.first + owner) for kind, _, block, owner in made)
-    ids = public_ids(model)
+    node_ids, element_ids = public_ids(model)
     node_sets, cell_sets = public_sets(model, model.node_sets), {}
     taken = {name.upper() for name in node_sets}
     for name, members in public_sets(model, model.element_sets).items():
@@ -85,8 +85,8 @@ def read_abaqus(
         joined(
             (kind, np.column_stack([block.lines[owner], block.ids[owner]])) for kind, _, block, owner in made
         ),
-        ids.nodes,
-        {kind: ids.elements[of] for kind, of in owner_of.items()},
+        node_ids,
+        {kind: element_ids[of] for kind, of in owner_of.items()},
         file.place,
     )
     return whole.without_unused(interior).to_mesh(only=only, unused_nodes=unused_nodes)
@@ -114,7 +114,7 @@ def read_abaqus_nodes(path: str | Path) -> NodeTable:
     model = read_model(file, elements=False, strict=True)
     return NodeTable(
         str(path),
-        public_ids(model).nodes,
+        public_ids(model)[0],
         model.positions,
         node_sets=public_sets(model, model.node_sets),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,24 +11,17 @@ from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.numbering import Labels
 
 
-@dataclass(frozen=True, eq=False)
-class PublicIds:
-    """Ids of nodes (N,) and elements (E,), without repetition."""
+def public_ids(model: AbaqusModel) -> tuple[IntArray, IntArray]:
+    """Ids of nodes (N,) and of elements (E,), without repetition.
 
-    nodes: IntArray
-    elements: IntArray
-
-
-def public_ids(model: AbaqusModel) -> PublicIds:
-    """Ids of the file; if instances use the same ids, those of scope k are raised by k 10^m.
-
+    They are those of the file; if instances use the same ids, those of scope k are raised by k 10^m.
     10^m is the first power of ten above all ids; k counts the instances from 0, then the model outside all
     instances. If these ids exceed 64 bits, ids are 1, 2, .. instead.
     """
     order = [*range(1, len(model.scopes)), 0]
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order))
-    return PublicIds(_unique(model, model.nodes, rank), _unique(model, model.element_labels, rank))
+    return _unique(model, model.nodes, rank), _unique(model, model.element_labels, rank)
 
 
 def public_name(model: AbaqusModel, scope: int, name: str, taken: Mapping[tuple[int, str], object]) -> str:

@@ -15,7 +15,7 @@ from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import CELL_FAMILIES, ElementBlock, Family, cells_of
 from supple.importers.abaqus.materials import DeckMaterial, read_materials
 from supple.importers.abaqus.orientation import Orientation, Orientations, orientation_of
-from supple.importers.abaqus.public_names import PublicIds, public_name
+from supple.importers.abaqus.public_names import public_name
 from supple.importers.abaqus.walls import SectionOfShells, read_shell_section, thickness_of_sections
 from supple.importers.deck import (
     AnisotropicMaterial,
@@ -53,13 +53,13 @@ _SECTIONS = ("SOLIDSECTION", *_OF_WALLS, "BEAMSECTION", "BEAMGENERALSECTION")
 
 
 def read_elements(
-    model: AbaqusModel, ids: PublicIds, orientations: Orientations
+    model: AbaqusModel, ids: IntArray, orientations: Orientations
 ) -> tuple[tuple[DeckElements, ...], dict[str, Property]]:
     """All elements with a section and a material, and their properties.
 
     Shells, beams and trusses without a section only define sets if all their nodes belong to solids with a
     section. All other elements whose section is missing or not read are listed in `left_out`. If sections
-    overlap, the last one is used.
+    overlap, the last one is used. ids : (E,) public ids of all elements
 
     Raises
     ------
@@ -165,7 +165,7 @@ def _section(
 class _Builder:
     """Elements and properties of a deck under construction."""
 
-    def __init__(self, model: AbaqusModel, ids: PublicIds, releases: BoolArray | None) -> None:
+    def __init__(self, model: AbaqusModel, ids: IntArray, releases: BoolArray | None) -> None:
         self._model, self._ids, self._releases = model, ids, releases
         self.elements: list[DeckElements] = []
         self.properties: dict[str, Property] = {}
@@ -195,7 +195,7 @@ class _Builder:
         def append(
             name: str, made: Property, *, mine: IntArray | slice = slice(None), **of: FloatArray | None
         ) -> None:
-            own = self._ids.elements[numbers[mine]], self._model.file.numbers[block.lines[element[mine]]]
+            own = self._ids[numbers[mine]], self._model.file.numbers[block.lines[element[mine]]]
             self.elements.append(
                 DeckElements(
                     *(block.type.name, kind, cells[mine], *own, self._key(name, made)),
