@@ -3,8 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from supple.body.averaged_motion import averaged_motion
-from supple.body.rigid_motion import nodal_rigid_modes
+from supple.body.rigid_motion import averaged_motion, nodal_rigid_modes
 
 RNG = np.random.default_rng(0)
 CLOUD = RNG.standard_normal((7, 3)) + np.array([10.0, 0, -5])

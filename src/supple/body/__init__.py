@@ -2,7 +2,6 @@
 
 from supple.body.body_form import *
 from supple.body.body_source import *
-from supple.body.connection_interfaces import *
 from supple.body.damping import *
 from supple.body.deck_body import *
 from supple.body.deck_modes import *

@@ -9,8 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.body.averaged_motion import averaged_motion
-from supple.body.connection_interfaces import connection_interface
 from supple.body.deck_parts import (
     deck_links,
     named_part,
@@ -20,8 +18,8 @@ from supple.body.deck_parts import (
 )
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
-from supple.body.interface import AveragingInterface, RigidInterface
-from supple.body.rigid_motion import nodal_rigid_modes
+from supple.body.interface import AveragingInterface, RigidInterface, connection_interface
+from supple.body.rigid_motion import averaged_motion, nodal_rigid_modes
 from supple.errors import ModelError, SuppleWarning
 from supple.fem import (
     GREEN_LAGRANGE,

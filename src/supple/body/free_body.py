@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
+from scipy import linalg, sparse
 
 from supple.algebra import read_only
 from supple.body.checks import (
@@ -23,7 +23,6 @@ from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.body.recovery import Recovery
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.body.second_order_tie import with_virtual_nodes
-from supple.body.single_boundary import freed_boundary
 from supple.body.virtual_node import interface_motions, virtual_nodes
 from supple.errors import ModelError
 from supple.fem import Attached
@@ -32,6 +31,9 @@ if TYPE_CHECKING:
     from supple.fem import FiniteElementModel
 
 RIGID_TOLERANCE = 1e-9
+ROUNDED_BOUNDARY = 1e-6
+"""Largest force on the boundary grid that counts as rounding, relative to that of inertia at the lowest modal
+frequency, `omega^2 M`: the grid would resist rigid motion at a thousandth of that frequency."""
 
 
 def free_body(
@@ -183,3 +185,41 @@ def _quadratic_force(model: FiniteElementModel, made: Coordinates) -> QuadraticS
     if made.rest is not None:
         expansion = sparse.csc_array(expansion @ made.rest)
     return QuadraticStrainForce(model, expansion, made.sets)
+
+
+def freed_boundary(
+    stiffness: sparse.csc_array,
+    mass: sparse.csc_array,
+    damping: sparse.csc_array | None,
+    *,
+    n_nodes: int,
+    dofs_per_node: int,
+) -> tuple[sparse.csc_array, sparse.csc_array | None]:
+    """Stiffness and damping of a condensed model, without rounding errors in the rows of its only grid.
+
+    Every motion of a single grid with six freedoms is rigid, so its rows are zero. Programs write the
+    difference of large forces instead, which is not small relative to other entries of these rows. Larger
+    entries, and the matrices of other models, are returned unchanged.
+    """
+    n = stiffness.indptr.size - 1
+    if n_nodes != 1 or dofs_per_node != 6 or n <= 6 or mass.shape != stiffness.shape:
+        return stiffness, damping
+    inertia, modal, M = mass.diagonal()[:6], stiffness[6:, 6:].toarray(), mass[6:, 6:].toarray()
+    try:
+        lowest = float(linalg.eigvalsh(modal, M, subset_by_index=(0, 0))[0])
+    except (linalg.LinAlgError, ValueError):  # no positive mass, or no finite number: the body checks both
+        return stiffness, damping
+    if lowest <= 0 or not (inertia > 0).all():
+        return stiffness, damping
+    size = np.sqrt(np.concatenate([lowest * inertia, np.maximum(np.diag(modal), 0.0)]))
+    limit = ROUNDED_BOUNDARY * np.outer(size[:6], size)
+    K = _freed(stiffness, limit)
+    return K, None if damping is None else _freed(damping, limit / np.sqrt(lowest))
+
+
+def _freed(matrix: sparse.csc_array, limit: np.ndarray) -> sparse.csc_array:
+    """The matrix without entries of the grid up to the limit (6, n)."""
+    entries = matrix.toarray()
+    entries[:6][abs(entries[:6]) <= limit] = 0.0
+    entries[:, :6][abs(entries[:, :6]) <= limit.T] = 0.0
+    return sparse.csc_array(entries)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
 
@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from supple.algebra.cross import cross_matrix
 from supple.arguments import check_numbers, check_text
 from supple.errors import ModelError, did_you_mean
+from supple.importers import Connection
 
 __all__ = [
     "AveragingInterface",
@@ -21,6 +22,9 @@ __all__ = [
     "Interface",
     "PointInterface",
     "RigidInterface",
+    "check_rigid_connections",
+    "connection_interface",
+    "connection_named",
     "place_in_frame",
 ]
 
@@ -194,3 +198,41 @@ def interface_named(body: str, name: str, interfaces: Sequence[_Interface]) -> _
             return interface
     known = [interface.name for interface in interfaces]
     raise ModelError(f"body '{body}' has no interface '{name}'{did_you_mean(name, known)}")
+
+
+def connection_interface(
+    connection: Connection, name: str | None = None
+) -> RigidInterface | AveragingInterface:
+    """The interface of a connection, rigid for RBE2, averaging for RBE3; `name` replaces its name."""
+    name = connection.name if name is None else name
+    if connection.weights is None:
+        return RigidInterface(name, connection.nodes, connection.position)
+    return AveragingInterface(name, connection.nodes, connection.position, connection.weights)
+
+
+def connection_named(name: str, connections: Sequence[Connection]) -> Connection:
+    """The connection of that name; the ModelError for an unknown name lists all names."""
+    for connection in connections:
+        if connection.name == name:
+            return connection
+    known = ", ".join(f"'{connection.name}'" for connection in connections) or "none"
+    raise ModelError(
+        f"no connection '{name}' (RBE2, or RBE3 on nodes that all carry stiffness) in the mesh file; it has "
+        f"{known}"
+    )
+
+
+def check_rigid_connections(
+    body: str, file: str, connections: Sequence[Connection], taken: Container[str | None]
+) -> None:
+    """Raise ModelError if an RBE2 is not an interface: without it the body is softer than in the file.
+
+    body, file : names, for the message
+    taken : names of the connections that rigid interfaces use, directly or by the node set of that name
+    """
+    left = [each.name for each in connections if each.weights is None and each.name not in taken]
+    if left:
+        raise ModelError(
+            f"body '{body}': {', '.join(left)} of {file} ties nodes rigidly and is not among the interfaces; "
+            f'add an interface with connection = "{left[0]}", or remove the RBE2 from the file'
+        )

@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.body.connection_interfaces import connection_interface
 from supple.body.flexible_body import FlexibleBody
 from supple.body.free_body import RIGID_TOLERANCE
-from supple.body.interface import AveragingInterface, RigidInterface
+from supple.body.interface import AveragingInterface, RigidInterface, connection_interface
 from supple.body.recovery import Recovery
 from supple.body.superelement import superelement
 from supple.errors import ModelError

@@ -18,11 +18,10 @@ from scipy.spatial import KDTree
 from supple.algebra import lowest_modes
 from supple.body.checks import RIGID_NAMES, SYMMETRY, MatrixLike, freedom_label, rigid_force_ratios
 from supple.body.coordinates import Coordinates, coordinates, rigid_sets
-from supple.body.free_body import RIGID_TOLERANCE
+from supple.body.free_body import RIGID_TOLERANCE, freed_boundary
 from supple.body.labelled_superelement import NodalMatrices
 from supple.body.mass_properties import MassProperties, mesh_mass_properties, rigid_mass_properties
 from supple.body.rigid_motion import nodal_rigid_modes
-from supple.body.single_boundary import freed_boundary
 from supple.errors import AccuracyError, ModelError
 from supple.fem import Attached, FiniteElementModel, consistent_mass
 from supple.mesh import Mesh

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.body.averaged_motion import averaged_motion
 from supple.body.coordinates import rigid_sets
 from supple.body.interface import Interface
+from supple.body.rigid_motion import averaged_motion
 from supple.body.second_order_tie import tied_parts
 from supple.fem import Attached, RigidPiece, StressRecovery
 

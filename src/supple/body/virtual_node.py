@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from supple.algebra import read_only
-from supple.body.averaged_motion import averaged_motion
 from supple.body.interface import AveragingInterface, BodyInterface, RigidInterface
-from supple.body.rigid_motion import are_collinear
+from supple.body.rigid_motion import are_collinear, averaged_motion
 from supple.errors import ModelError
 
 # Coefficients `cubic_turn` of rigid and averaging interfaces: arctan t = t - t^3 / 3 + ..,

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body.averaged_motion import averaged_motion
 from supple.body.body_form import BodyForm
 from supple.body.interface import UntiedInterface
 from supple.body.point_motion import InterfaceMotion, NodeMotion
+from supple.body.rigid_motion import averaged_motion
 
 __all__ = ["NodeSet", "node_sets"]
 
