@@ -77,15 +77,9 @@ class SectionStress:
 
     def of(self, cells: NDArray[np.int64]) -> SectionStress:
         """The stress of some of the cells, by their numbers in the section."""
-        return replace(
-            self,
-            nodes=self.nodes[cells],
-            arrays=self.arrays.of(cells),
-            of_strain=self.of_strain[cells],
-            first_layer=self.first_layer[cells],
-            share=self.share[cells],
-            turned=self.turned[cells],
-        )
+        names = ("nodes", "of_strain", "first_layer", "share", "turned")
+        own = {name: getattr(self, name)[cells] for name in names}
+        return replace(self, arrays=self.arrays.of(cells), **own)
 
     def in_layers(self, n_layers: int) -> SectionStress:
         """The stress in n_layers layers: a single layer is repeated; n_layers layers stay unchanged."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +14,6 @@ from supple.algebra.rotation import rotation_log, rotation_right_jacobian
 from supple.errors import ModelError
 from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import force_pair
-from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["Bushing"]
@@ -44,16 +44,12 @@ class Bushing(AxialElement):
     offset: tuple[float, float, float] | None = None
     """d_0, in the bushing's axes; default the offset of the ends at assembly"""
 
+    hint_field: ClassVar[str] = "x_axis"
+
     def __post_init__(self) -> None:
         super().__post_init__()
-        _ = self.initial_axes
         for name in ("stiffness", "damping"):
             object.__setattr__(self, name, _matrix(f"{self.label}: {name}", getattr(self, name)))
-
-    @property
-    def initial_axes(self) -> np.ndarray:
-        """Z along the axis, x as near `x_axis` as possible."""
-        return axes_along(self.axis, hint=self.x_axis)
 
     @property
     def parameters(self) -> tuple[np.ndarray, ...]:

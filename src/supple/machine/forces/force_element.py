@@ -31,6 +31,8 @@ class ForceElement(ABC):
 
     law_field: ClassVar[str] = ""
     """Field with the law of time: a number, an array, a function of time or a law; empty without one."""
+    parameter_fields: ClassVar[tuple[str, ...]] = ()
+    """Fields that are passed to `wrenches` and `energy`, in this order."""
     value_shape: ClassVar[tuple[int, ...]] = ()
     """Shape of the law's value, if there is a law."""
     acts_along_line: ClassVar[bool] = False
@@ -78,8 +80,8 @@ class ForceElement(ABC):
 
     @property
     def parameters(self) -> tuple[ArrayLike | None, ...]:
-        """Numbers and arrays passed to `wrenches` and `energy`."""
-        return ()
+        """Numbers and arrays passed to `wrenches` and `energy`: by default those of `parameter_fields`."""
+        return tuple(getattr(self, name) for name in self.parameter_fields)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Self:  # noqa: ARG002 - most need no places
         """The element, completed by data from the global positions (3,) of its ends at assembly."""
@@ -106,6 +108,8 @@ class AxialElement(ForceElement):
 
     axis: tuple[float, float, float]
 
+    hint_field: ClassVar[str] = ""
+    """Field with a direction near which the x axis lies; empty: the global axis farthest from the axis."""
     blocked_by: ClassVar[tuple[str, ...]] = ()
     """Names in `Joint.rows`, without the axis, of equations that prevent the element's motion.
 
@@ -114,12 +118,12 @@ class AxialElement(ForceElement):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        axes_along(self.axis)  # raises for a vector without direction
+        _ = self.initial_axes  # raises for a vector without direction
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """Z along the axis."""
-        return axes_along(self.axis)
+        """Z along the axis, x as near the hint as possible."""
+        return axes_along(self.axis, hint=getattr(self, self.hint_field) if self.hint_field else None)
 
 
 @dataclass(frozen=True, kw_only=True)

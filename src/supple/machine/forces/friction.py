@@ -66,15 +66,11 @@ class RevoluteFriction(AxialElement):
     width: Positive
 
     law_field: ClassVar[str] = "moment"
+    parameter_fields: ClassVar[tuple[str, ...]] = ("width",)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_resists(self)
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """`(w,)`."""
-        return (self.width,)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
@@ -98,15 +94,11 @@ class PrismaticFriction(AxialElement):
     width: Positive
 
     law_field: ClassVar[str] = "force"
+    parameter_fields: ClassVar[tuple[str, ...]] = ("width",)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_resists(self)
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """`(w,)`."""
-        return (self.width,)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:

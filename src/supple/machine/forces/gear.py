@@ -13,7 +13,6 @@ from supple.arguments import NotNegative, Positive
 from supple.errors import ModelError
 from supple.machine.forces.force_element import AnchoredElement, AxialElement
 from supple.machine.forces.relative_motion import wrapped
-from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["Gear"]
@@ -47,6 +46,7 @@ class Gear(AnchoredElement, AxialElement):
     line: tuple[float, float, float] | None = None
     """Vector from the first centre to the second at assembly; default from the positions of the ends"""
 
+    hint_field: ClassVar[str] = "line"
     acts_along_line: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -57,11 +57,6 @@ class Gear(AnchoredElement, AxialElement):
                 f"{self.label}: teeth must be two whole numbers, negative for inner teeth, not opposite and "
                 f"equal; got {self.teeth}"
             )
-
-    @property
-    def initial_axes(self) -> np.ndarray:
-        """Z along the axis, x along the line of centres at assembly."""
-        return axes_along(self.axis, hint=self.line)
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -94,11 +94,7 @@ class SlideFriction(JointFriction):
     """
 
     kinds: ClassVar[tuple[type[Joint], ...]] = (Prismatic,)
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """`(mu, w)`."""
-        return (self.coefficient, self.width)
+    parameter_fields: ClassVar[tuple[str, ...]] = ("coefficient", "width")
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +14,6 @@ from supple.errors import ModelError
 from supple.machine.forces.characteristic import curve_at
 from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair
-from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["JournalBearing"]
@@ -44,9 +44,10 @@ class JournalBearing(AxialElement):
     damping: ArrayLike = ((0.0, 0.0), (0.0, 0.0))
     speeds: tuple[float, ...] | None = None
 
+    hint_field: ClassVar[str] = "x_axis"
+
     def __post_init__(self) -> None:
         super().__post_init__()
-        _ = self.initial_axes
         if self.speeds is None:
             for name in ("stiffness", "damping"):
                 if np.ndim(getattr(self, name)) == 3 and len(getattr(self, name)) > 1:
@@ -72,11 +73,6 @@ class JournalBearing(AxialElement):
                     f"matrix a speed, got shape {given.shape}"
                 )
             object.__setattr__(self, name, tuple(tuple(map(tuple, own)) for own in table.tolist()))
-
-    @property
-    def initial_axes(self) -> np.ndarray:
-        """Z along the axis, x as near `x_axis` as possible."""
-        return axes_along(self.axis, hint=self.x_axis)
 
     @property
     def parameters(self) -> tuple[np.ndarray, ...]:

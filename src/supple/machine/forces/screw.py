@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +13,6 @@ from supple.arguments import NotNegative, Positive
 from supple.errors import ModelError
 from supple.machine.forces.force_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, wrapped
-from supple.machine.joints.joint import axes_along
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["RackAndPinion", "Screw"]
@@ -101,16 +101,12 @@ class RackAndPinion(AxialElement):
     offset: float | None = None
     """x_0; default the displacement at assembly"""
 
+    hint_field: ClassVar[str] = "direction"
+
     def __post_init__(self) -> None:
         super().__post_init__()
-        _ = self.initial_axes
         if not (np.isfinite(self.radius) and self.radius):
             raise ModelError(f"{self.label}: the radius must be finite and not zero, got {self.radius}")
-
-    @property
-    def initial_axes(self) -> np.ndarray:
-        """Z along the axis, x along the rack."""
-        return axes_along(self.axis, hint=self.direction)
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -29,6 +29,7 @@ class Servo(AxialElement):
     limit: float = np.inf
 
     value_shape: ClassVar[tuple[int, ...]] = (2,)
+    parameter_fields: ClassVar[tuple[str, ...]] = ("stiffness", "damping", "limit")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -44,11 +45,6 @@ class Servo(AxialElement):
     def held(self, time: float) -> Self:
         """The servo with the set-point of this time as a constant."""
         return replace(self, **{self.law_field: float(self.law(time)[0])})
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """`(k, c, limit)`."""
-        return (self.stiffness, self.damping, self.limit)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,17 +32,13 @@ class SpringDamper(AnchoredElement):
     rest_length: NotNegative | None = 0.0
 
     acts_along_line: ClassVar[bool] = True
+    parameter_fields: ClassVar[tuple[str, ...]] = ("stiffness", "damping", "rest_length")
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> SpringDamper:
         """The spring with a rest length: if `rest_length` is None, the distance of its ends at assembly."""
         if self.rest_length is not None:
             return self
         return replace(self, rest_length=float(np.linalg.norm(second - first)))
-
-    @property
-    def parameters(self) -> tuple[float | None, ...]:
-        """`(k, c, l_0)`."""
-        return (self.stiffness, self.damping, self.rest_length)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004

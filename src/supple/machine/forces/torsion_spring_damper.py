@@ -33,11 +33,7 @@ class TorsionSpringDamper(AxialElement):
     """phi_0, angle phi without moment, rad: a number or a law of time."""
 
     law_field: ClassVar[str] = "rest_angle"
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """`(k, c)`."""
-        return (self.stiffness, self.damping)
+    parameter_fields: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
