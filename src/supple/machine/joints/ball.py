@@ -17,7 +17,6 @@ __all__ = ["Ball"]
 class Ball(Joint):
     """Ball joint: the points of both ends coincide, `r_2 - r_1 = 0`; all rotations are free."""
 
-    n_constraints: ClassVar[int] = 3
     rows: ClassVar[tuple[str, ...]] = POSITION
 
     @staticmethod

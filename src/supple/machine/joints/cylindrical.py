@@ -20,7 +20,6 @@ class Cylindrical(AxialJoint):
     Rotation about the axis and sliding along it are free.
     """
 
-    n_constraints: ClassVar[int] = 4
     rows: ClassVar[tuple[str, ...]] = (*POSITION[:2], *TILT)
 
     @staticmethod

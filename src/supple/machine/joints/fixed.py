@@ -26,7 +26,6 @@ class Fixed(Joint):
     x_axis: tuple[float, float, float] | None = None
     """Direction in the initial configuration, global; the x axis is as near it as possible."""
 
-    n_constraints: ClassVar[int] = 6
     rows: ClassVar[tuple[str, ...]] = (*POSITION, *ROTATION)
 
     @property

@@ -78,8 +78,6 @@ class Joint(ABC):
     """The other end."""
     name: str = ""
 
-    n_constraints: ClassVar[int]
-    """Number of constraint equations."""
     rows: ClassVar[tuple[str, ...]]
     """What each constraint equation fixes; the name begins with "position" if its residual is a length."""
 
@@ -103,6 +101,11 @@ class Joint(ABC):
         z is the axis of the joint, if it has one.
         """
         return np.eye(3)
+
+    @property
+    def n_constraints(self) -> int:
+        """Number of constraint equations."""
+        return len(self.rows)
 
     @property
     def law(self) -> TimeLaw | None:

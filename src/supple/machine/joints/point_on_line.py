@@ -20,7 +20,6 @@ class PointOnLine(AxialJoint):
     `x_1 . (r_2 - r_1) = y_1 . (r_2 - r_1) = 0`; x_1 and y_1 are axes of the first end, normal to the line.
     """
 
-    n_constraints: ClassVar[int] = 2
     rows: ClassVar[tuple[str, ...]] = POSITION[:2]
 
     @staticmethod

@@ -23,7 +23,6 @@ class PrescribedRotation(AxialJoint):
     angle: OverTime
     """Angle from the initial configuration, rad: a number, a law, or a function of time in `jax.numpy`."""
 
-    n_constraints: ClassVar[int] = Fixed.n_constraints
     rows: ClassVar[tuple[str, ...]] = Fixed.rows
 
     @property

@@ -23,7 +23,6 @@ class PrescribedTranslation(AxialJoint):
     displacement: OverTime
     """Distance from the initial configuration: a number, a law, or a function of time in `jax.numpy`."""
 
-    n_constraints: ClassVar[int] = Fixed.n_constraints
     rows: ClassVar[tuple[str, ...]] = Fixed.rows
 
     @property

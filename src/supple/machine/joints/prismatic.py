@@ -17,7 +17,6 @@ __all__ = ["Prismatic"]
 class Prismatic(AxialJoint):
     """Prismatic joint: the second end slides along an axis of the first end, without relative rotation."""
 
-    n_constraints: ClassVar[int] = 5
     rows: ClassVar[tuple[str, ...]] = (*POSITION[:2], *ROTATION)
 
     @staticmethod

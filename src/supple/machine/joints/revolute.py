@@ -20,7 +20,6 @@ class Revolute(AxialJoint):
     `r_2 - r_1 = 0` and `z_1 x z_2 = 0`
     """
 
-    n_constraints: ClassVar[int] = 5
     rows: ClassVar[tuple[str, ...]] = (*POSITION, *TILT)
 
     @staticmethod

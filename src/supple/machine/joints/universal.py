@@ -26,7 +26,6 @@ class Universal(Joint):
     second_axis: tuple[float, float, float]
     """Axis fixed to the second end, given like `first_axis`; a component along the first axis is removed."""
 
-    n_constraints: ClassVar[int] = 4
     rows: ClassVar[tuple[str, ...]] = (*POSITION, "angle between the axes")
 
     @property
