@@ -89,10 +89,8 @@ class LinearRayleighDamping(_OfMassAndStiffness):
 
     called: ClassVar[str] = "linear Rayleigh damping"
 
-    @property
-    def retardation_time(self) -> float:
-        """Zero: the damping force is not that of viscous stresses beta C eps_dot."""
-        return 0.0
+    retardation_time: ClassVar[float] = 0.0
+    """The damping force is not that of viscous stresses beta C eps_dot."""
 
 
 def rayleigh_from_ratios(
@@ -167,10 +165,8 @@ class ModalDamping:
             raise ModelError(f"modal damping: n_modes is {self.n_modes}; damp at least one mode")
         object.__setattr__(self, "ratios", ratios)
 
-    @property
-    def retardation_time(self) -> float:
-        """Zero: the damping force is not that of viscous stresses beta C eps_dot."""
-        return 0.0
+    retardation_time: ClassVar[float] = 0.0
+    """The damping force is not that of viscous stresses beta C eps_dot."""
 
     def matrix(self, stiffness: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
         """C (r, r) of a reduced body, from its K and `mass` = P^T M P, both (r, r) and dense."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,10 +42,8 @@ class FullBody(FloatingForm):
         """Name of the body."""
         return self.body.name
 
-    @property
-    def kind(self) -> Literal["full"]:
-        """The name of this form, "full"."""
-        return "full"
+    kind: ClassVar[Literal["full"]] = "full"
+    """The name of this form, "full"."""
 
     @property
     def mass(self) -> float:
@@ -77,10 +75,8 @@ class FullBody(FloatingForm):
         """The interface of that name; the ModelError for an unknown name lists the nearest name, or all."""
         return self.body.interface(name)
 
-    @property
-    def uses_interface_motions(self) -> bool:
-        """True: equations of joints and forces contain six motions per interface, not all coordinates."""
-        return True
+    uses_interface_motions: ClassVar[bool] = True
+    """Equations of joints and forces contain six motions per interface, not all coordinates."""
 
     @property
     def interface_motions(self) -> csr_array:

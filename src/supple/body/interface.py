@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, TypeVar
+from typing import ClassVar, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -108,10 +108,8 @@ class BodyInterface:
 class UntiedInterface:
     """Base of interfaces without tied nodes."""
 
-    @property
-    def cubic_turn(self) -> float:
-        """Zero: a joint at the interface has the rotation vector theta, without a cubic term."""
-        return 0.0
+    cubic_turn: ClassVar[float] = 0.0
+    """A joint at the interface has the rotation vector theta, without a cubic term."""
 
     @property
     def tied_nodes(self) -> NDArray[np.int64]:

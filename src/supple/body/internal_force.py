@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,15 +31,10 @@ class LinearForce:
 
     stiffness: sparse.csc_array = field(repr=False)
 
-    @property
-    def is_linear(self) -> bool:
-        """True."""
-        return True
+    is_linear: ClassVar[bool] = True
 
-    @property
-    def blocks(self) -> tuple[QuadraticStrain, ...]:
-        """Empty: no quadratic strains."""
-        return ()
+    blocks: ClassVar[tuple[QuadraticStrain, ...]] = ()
+    """No quadratic strains."""
 
     def internal_force(self, q: Array) -> Array:
         """Internal force (n,), N and N m."""
@@ -86,10 +81,7 @@ class QuadraticStrainForce:
             return model.strains
         return second_order_strains(model.strains, model.mesh.nodes, self.dofs_per_node, self.rigid_sets)
 
-    @property
-    def is_linear(self) -> bool:
-        """False."""
-        return False
+    is_linear: ClassVar[bool] = False
 
     @cached_property
     def assembly(self) -> Assembly:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -72,20 +72,16 @@ class RigidBody(FloatingForm, Summarized):
         # A mapping proxy cannot be pickled.
         return RigidBody, (self.name, self.mass, self.centre, self.inertia, dict(self.points))
 
-    @property
-    def kind(self) -> Literal["rigid"]:
-        """The name of this form, "rigid"."""
-        return "rigid"
+    kind: ClassVar[Literal["rigid"]] = "rigid"
+    """The name of this form, "rigid"."""
 
     @property
     def centre_of_mass(self) -> NDArray[np.float64]:
         """Centre of mass (3,) in the body's frame, m."""
         return self.centre
 
-    @property
-    def n_coordinates(self) -> int:
-        """Zero: a rigid body has no deformation coordinates."""
-        return 0
+    n_coordinates: ClassVar[int] = 0
+    """A rigid body has no deformation coordinates."""
 
     @property
     def nodes(self) -> NDArray[np.float64]:
@@ -113,19 +109,15 @@ class RigidBody(FloatingForm, Summarized):
         """Zero displacements (3 N, t) of all or some freedoms; None, as no motion is condensed."""
         return np.zeros((self.nodes.size, len(coordinates)))[freedoms], None
 
-    @property
-    def is_linear(self) -> bool:
-        """True: there is no internal force."""
-        return True
+    is_linear: ClassVar[bool] = True
+    """There is no internal force."""
 
     def lowest_frequency(self) -> float:
         """Infinite: a rigid body has no vibration."""
         return np.inf
 
-    @property
-    def rotation_limit(self) -> float:
-        """Infinite: a rigid body has no rotation relative to its frame."""
-        return np.inf
+    rotation_limit: ClassVar[float] = np.inf
+    """A rigid body has no rotation relative to its frame."""
 
     def _position(self, what: str, given: ArrayLike) -> NDArray[np.float64]:
         check_numbers(f"rigid body '{self.name}', {what}", given)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -91,10 +92,8 @@ class HomogeneousSection:
         """Density times t^3/12, plus mass per area times offset squared: inertia about the nodes, kg."""
         return self.material.density * self.thickness**3 / 12 + self.mass_per_area * self.offset**2
 
-    @property
-    def reference_direction(self) -> None:
-        """None: an isotropic section is the same in every direction."""
-        return None
+    reference_direction: ClassVar[None] = None
+    """An isotropic section is the same in every direction."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -130,10 +130,8 @@ class ReducedBody(FloatingForm, Summarized, ReadOnlyArrays):
         _check_shapes(self)
         _check_potential(self)
 
-    @property
-    def kind(self) -> Literal["reduced"]:
-        """The name of this form, "reduced"."""
-        return "reduced"
+    kind: ClassVar[Literal["reduced"]] = "reduced"
+    """The name of this form, "reduced"."""
 
     @property
     def mass(self) -> float:

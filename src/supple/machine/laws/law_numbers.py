@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -64,15 +64,11 @@ def increasing_rows(times: Numbers, values: Numbers) -> tuple[np.ndarray, np.nda
 class UnboundedLaw:
     """Base of laws that are defined from minus to plus infinity."""
 
-    @property
-    def begin(self) -> float:
-        """First time at which the law is defined."""
-        return float("-inf")
+    begin: ClassVar[float] = float("-inf")
+    """First time at which the law is defined."""
 
-    @property
-    def end(self) -> float:
-        """Last time at which the law is defined."""
-        return float("inf")
+    end: ClassVar[float] = float("inf")
+    """Last time at which the law is defined."""
 
 
 class SmoothLaw(UnboundedLaw):

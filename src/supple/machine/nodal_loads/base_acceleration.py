@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from supple.machine.laws.time_law import OverTime, TimeLaw, as_time_law
 
@@ -26,7 +27,5 @@ class BaseAcceleration:
         """The acceleration over time."""
         return as_time_law(self.acceleration)
 
-    @property
-    def label(self) -> str:
-        """Name for messages."""
-        return "BaseAcceleration"
+    label: ClassVar[str] = "BaseAcceleration"
+    """Name for messages."""
