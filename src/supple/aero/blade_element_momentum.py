@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.aero.polar import BlendedPolars
 from supple.aero.rotor import Rotor
+from supple.algebra.arrays import FloatArray
 from supple.errors import ConvergenceError, ModelError
 
 __all__ = ["AirLoads", "Operation", "air_loads", "rotor_power", "rotor_thrust"]
-
-FloatArray = NDArray[np.float64]
 
 # Axial induction above which Glauert's empirical line replaces momentum theory.
 CRITICAL_INDUCTION = 0.2

@@ -6,17 +6,16 @@ from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.aero.blade_element_momentum import Operation, air_loads
 from supple.aero.rotor import Rotor
 from supple.aero.wind import Wind
+from supple.algebra.arrays import FloatArray
 from supple.algebra.read_only import read_only
 from supple.errors import ModelError
 
 __all__ = ["CosineRamp", "NodalForces", "lumped_forces", "prescribed_forces"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.aero.polar import BlendedPolars, Polar, blend_polars
+from supple.algebra.arrays import FloatArray
 from supple.algebra.read_only import read_only
 from supple.errors import ModelError
 
 __all__ = ["Rotor"]
-
-FloatArray = NDArray[np.float64]
 
 ROUNDING = 1e-6
 """Distance from the blade, relative to the tip radius, up to which a radius is off by rounding only."""

@@ -7,8 +7,9 @@ from math import isfinite
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.algebra.arrays import FloatArray
 from supple.algebra.read_only import read_only
 from supple.errors import ModelError
 
@@ -21,8 +22,6 @@ __all__ = [
     "kaimal_series",
     "random_phases",
 ]
-
-FloatArray = NDArray[np.float64]
 
 GOLDEN_RATIO_PART = 0.618034
 

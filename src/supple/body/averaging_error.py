@@ -19,18 +19,16 @@ Source: derived here; theory page on interfaces.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import BodyInterface, moves_rigidly_with
-
-Array = NDArray[np.float64]
 
 DEFLECTION_ERROR = 6.0
 """Relative error of the deflection of a beam under a force at its end, per phi^2 c / C."""
 
 
-def section_softness(body: FlexibleBody, interface: BodyInterface) -> Array:
+def section_softness(body: FlexibleBody, interface: BodyInterface) -> FloatArray:
     """Softness c / C (3,) of an averaging interface for moments about the axes of the body.
 
     Zeros for other interfaces, and in a linear body.

@@ -8,8 +8,8 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import IntArray
 from supple.body.deck_body import deck_connections, deck_mesh, deck_model, refuse_omitted_cards
 from supple.body.deck_parts import named_part
 from supple.body.finite_element_body import flexible_body
@@ -37,8 +37,6 @@ __all__ = [
     "matrices_source",
     "section_beams_source",
 ]
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

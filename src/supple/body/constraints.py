@@ -15,12 +15,10 @@ from numpy.typing import NDArray
 from scipy import linalg, sparse
 from scipy.sparse.csgraph import connected_components
 
+from supple.algebra.arrays import FloatArray, IntArray
 from supple.body.massless_motion import StaticallyTied
 from supple.errors import ModelError
 from supple.fem import Constraints
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # Entries of C below this fraction of the largest entry of their row are set to zero; entries of T likewise,
 # relative to 1 or the largest entry.

@@ -18,6 +18,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from supple.algebra import factorize_symmetric
+from supple.algebra.arrays import FloatArray, IntArray
 from supple.algebra.narrow_indices import narrow_indices
 from supple.body.checks import FREEDOM_NAMES
 from supple.body.constraints import eliminate, together
@@ -27,9 +28,6 @@ from supple.body.second_order_tie import RigidSet
 from supple.errors import AccuracyError, ModelError
 from supple.fem import Attached
 from supple.summary import place_text
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # A stiffness in a triple of freedoms counts as zero up to this fraction of the largest one in the triple.
 _NO_STIFFNESS = 1e-10

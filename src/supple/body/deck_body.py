@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.algebra.arrays import FloatArray, IntArray
 from supple.body.deck_parts import (
     deck_links,
     named_part,
@@ -67,9 +68,6 @@ __all__ = [
     "missing_density",
     "refuse_omitted_cards",
 ]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # Largest accepted elongation of a spring in a rigid motion, relative to the terms that cancel.
 _RIGID = 1e-6

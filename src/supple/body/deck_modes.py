@@ -6,9 +6,9 @@ import warnings
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.algebra import lowest_modes
+from supple.algebra.arrays import FloatArray
 from supple.body.coordinates import coordinates, rigid_sets
 from supple.body.deck_body import deck_model
 from supple.body.deck_parts import deck_parts, with_scalar_points, without_scalar_points
@@ -20,8 +20,6 @@ from supple.fem import FiniteElementModel
 from supple.importers.deck import Deck
 
 __all__ = ["deck_frequencies", "deck_mass", "deck_models", "mass_of_models"]
-
-FloatArray = NDArray[np.float64]
 
 MORE_MODES = 6
 """Number of modes computed in addition to the n wanted modes and six rigid modes of a free part.

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from supple.algebra.arrays import IntArray
 from supple.errors import ModelError, SuppleWarning, did_you_mean
 from supple.importers.deck import Deck, ScalarTerms
 from supple.importers.restricted_deck import kept_terms, restricted_deck
@@ -23,8 +24,6 @@ __all__ = [
     "with_scalar_points",
     "without_scalar_points",
 ]
-
-IntArray = NDArray[np.int64]
 
 
 def deck_parts(deck: Deck) -> dict[str, Deck]:

@@ -8,13 +8,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.body.interface import Interface
 from supple.errors import ModelError
 from supple.integrate.motion import FloatingMotion
 
 __all__ = ["floating_positions", "in_space", "node_displacements"]
-
-Array = NDArray[np.float64]
 
 # Largest number of displacement values in memory at a time (32 MiB), unless one time needs more. All times of
 # a long run may not fit in memory.
@@ -47,7 +46,7 @@ class Deforming(Protocol):
         ...
 
 
-def in_space(position: Array, rotation: Array, local: Array) -> Array:
+def in_space(position: FloatArray, rotation: FloatArray, local: FloatArray) -> FloatArray:
     """Positions r = R + A y (t, k, 3) of points y in a moving frame.
 
     position, rotation : (t, 3) and (t, 3, 3)    R of the frame's origin, A from the frame to space
@@ -59,7 +58,7 @@ def in_space(position: Array, rotation: Array, local: Array) -> Array:
 
 def floating_positions(
     body: Deforming, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)
-) -> Array:
+) -> FloatArray:
     """Positions r = R + A (x + u) (t, k, 3) of some nodes (k,), or all, in space.
 
     Raises ModelError for a node number outside the body.
@@ -69,7 +68,9 @@ def floating_positions(
     return in_space(motion.position, motion.rotation, local)
 
 
-def node_displacements(body: Deforming, coordinates: Array, nodes: ArrayLike | slice = slice(None)) -> Array:
+def node_displacements(
+    body: Deforming, coordinates: FloatArray, nodes: ArrayLike | slice = slice(None)
+) -> FloatArray:
     """Displacements u (t, k, 3) of some nodes (k,), or all, in the body's frame, at coordinates (t, r).
 
     Raises ModelError for a node number outside the body.

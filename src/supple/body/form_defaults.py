@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.spatial.transform import Rotation
 
+from supple.algebra.arrays import FloatArray
 from supple.body.sections import Sections
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate.motion import FramedMotion, Motion
-
-Array = NDArray[np.float64]
 
 
 class _Form(Protocol):
@@ -30,7 +29,7 @@ class _Form(Protocol):
         """Whether the internal force is proportional to the deformation."""
         ...
 
-    def expand(self, coordinates: Array, nodes: NDArray[np.intp] | slice = ..., /) -> Array:
+    def expand(self, coordinates: FloatArray, nodes: NDArray[np.intp] | slice = ..., /) -> FloatArray:
         """Displacements (..., k, 3) of all or some nodes for coordinates (..., r)."""
         ...
 
@@ -69,7 +68,7 @@ class FormDefaults:
         return float(np.sqrt(self.mass))
 
     @property
-    def rotation_rows(self) -> Array | csc_array | None:
+    def rotation_rows(self) -> FloatArray | csc_array | None:
         """None: the rotation relative to the frame is not checked."""
         return None
 
@@ -79,17 +78,21 @@ class FormDefaults:
         return 0.0
 
     @property
-    def missing_centrifugal_stiffness(self) -> Array:
+    def missing_centrifugal_stiffness(self) -> FloatArray:
         """Zeros (3,): no centrifugal stiffness is missing."""
         return np.zeros(3)
 
     def expand_rates(
-        self: _Form, _coordinates: Array, rates: Array, nodes: NDArray[np.intp] | slice = slice(None), /
-    ) -> Array:
+        self: _Form,
+        _coordinates: FloatArray,
+        rates: FloatArray,
+        nodes: NDArray[np.intp] | slice = slice(None),
+        /,
+    ) -> FloatArray:
         """Displacement rates (..., k, 3) for displacements linear in the coordinates: expand(rates)."""
         return self.expand(rates, nodes)
 
-    def node_rotations(self: Any, motion: Motion) -> Array:
+    def node_rotations(self: Any, motion: Motion) -> FloatArray:
         """Rotations (t, N, 3, 3) of the frame, times those of the nodal rotation vectors, if nodes have them.
 
         Raises ModelError for a motion without a frame.
@@ -111,6 +114,6 @@ class FormDefaults:
             "split the body there"
         )
 
-    def section_softness(self, _interface: str, /) -> Array:
+    def section_softness(self, _interface: str, /) -> FloatArray:
         """Zeros (3,): sections at interfaces have no softness."""
         return np.zeros(3)

@@ -10,16 +10,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.algebra.arrays import FloatArray
 from supple.body.second_order_tie import RigidSet, second_order_strains
 from supple.fem import Assembly, FiniteElementModel, QuadraticStrain, assemble_strains
 
 __all__ = ["LinearForce", "QuadraticStrainForce"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,19 +33,19 @@ class LinearForce:
     blocks: ClassVar[tuple[QuadraticStrain, ...]] = ()
     """No quadratic strains."""
 
-    def internal_force(self, q: Array) -> Array:
+    def internal_force(self, q: FloatArray) -> FloatArray:
         """Internal force (n,), N and N m."""
         return self.stiffness @ q
 
-    def tangent(self, q: Array) -> sparse.csc_array:  # noqa: ARG002
+    def tangent(self, q: FloatArray) -> sparse.csc_array:  # noqa: ARG002
         """Tangent stiffness (n, n): K for every q."""
         return self.stiffness
 
-    def strain_rate_force(self, q: Array, rates: Array) -> Array:  # noqa: ARG002
+    def strain_rate_force(self, q: FloatArray, rates: FloatArray) -> FloatArray:  # noqa: ARG002
         """Force K q_dot (n,), independent of q."""
         return self.stiffness @ rates
 
-    def energies(self, Q: Array) -> Array:
+    def energies(self, Q: FloatArray) -> FloatArray:
         """Strain energies (t,), J, one for each column of Q (n, t)."""
         return (Q.T * (self.stiffness @ Q).T).sum(axis=1) / 2
 
@@ -89,19 +86,19 @@ class QuadraticStrainForce:
         n_nodes = self.expansion.shape[0] // self.dofs_per_node
         return assemble_strains(self.blocks, n_nodes, self.dofs_per_node, self.expansion)
 
-    def internal_force(self, q: Array) -> Array:
+    def internal_force(self, q: FloatArray) -> FloatArray:
         """Internal force (n,), N and N m."""
         return self.assembly.internal_force(q)
 
-    def tangent(self, q: Array) -> sparse.csc_array:
+    def tangent(self, q: FloatArray) -> sparse.csc_array:
         """Tangent stiffness (n, n), the derivative of the internal force."""
         return self.assembly.tangent(q)
 
-    def strain_rate_force(self, q: Array, rates: Array) -> Array:
+    def strain_rate_force(self, q: FloatArray, rates: FloatArray) -> FloatArray:
         """Force K_mat(q) q_dot (n,) of stresses C eps_dot, with the material stiffness K_mat."""
         return self.assembly.strain_rate_force(q, rates)
 
-    def energies(self, Q: Array) -> Array:
+    def energies(self, Q: FloatArray) -> FloatArray:
         """Strain energies (t,), J, one for each column of Q (n, t)."""
         return self.assembly.energies(Q)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.algebra.arrays import IntArray
 from supple.body.flexible_body import FlexibleBody
 from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.interface import AveragingInterface, RigidInterface, connection_interface
@@ -41,8 +42,6 @@ __all__ = [
     "read_labelled_superelement",
     "read_nodal_matrices",
 ]
-
-IntArray = NDArray[np.int64]
 
 # Residual of a row of K R, with some hundred printed entries, relative to the rounding error of one entry.
 ROUNDED_ROWS = 100.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.algebra.arrays import FloatArray
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.fem import (
     Anisotropic,
@@ -25,8 +25,6 @@ from supple.mesh.quadrature import product_rule
 from supple.mesh.reference_cell import shape_functions, shape_gradients
 
 __all__ = ["MassProperties", "mesh_mass_properties", "rigid_mass_properties"]
-
-FloatArray = NDArray[np.float64]
 
 _CELLS_AT_ONCE = 4096
 

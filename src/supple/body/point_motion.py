@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from supple.algebra.arrays import FloatArray
 from supple.body.floating_kinematics import (
     Deforming,
     checked_nodes,
@@ -24,15 +25,13 @@ from supple.integrate.motion import FloatingMotion, Motion
 
 __all__ = ["InterfaceMotion", "NodeMotion"]
 
-Array = NDArray[np.float64]
-
 
 class NodeMotion(NamedTuple):
     """Positions, velocities and accelerations (t, k, 3) of k nodes, global components."""
 
-    position: Array
-    velocity: Array
-    acceleration: Array
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
 
 
 class InterfaceMotion(NamedTuple):
@@ -44,11 +43,11 @@ class InterfaceMotion(NamedTuple):
     angular_velocity : (t, 3)       rad/s
     """
 
-    position: Array
-    rotation: Array
-    velocity: Array
-    acceleration: Array
-    angular_velocity: Array
+    position: FloatArray
+    rotation: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    angular_velocity: FloatArray
 
 
 class FloatingForm(FormDefaults):
@@ -83,7 +82,12 @@ class FloatingForm(FormDefaults):
         return sections_of_elements(self, model)
 
     def motion_near(
-        self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
+        self,
+        position: FloatArray,
+        rotation: FloatArray,
+        coordinates: FloatArray,
+        displacement: FloatArray,
+        rates: FloatArray,
     ) -> FloatingMotion:
         """Motion at displacements p (t, 6 + r) from a pose and coordinates, with rates p' (t, 6 + r).
 
@@ -95,8 +99,8 @@ class FloatingForm(FormDefaults):
 
 
 def frames_near(
-    position: Array, rotation: Array, displacement: Array, rates: Array
-) -> tuple[Array, Array, Array, Array]:
+    position: FloatArray, rotation: FloatArray, displacement: FloatArray, rates: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Positions, rotations, velocities and angular velocities of frames displaced by p = (A^T dR, psi, ..).
 
     dR is the displacement of the origin, psi the rotation vector in the axes of the frame.
@@ -144,7 +148,7 @@ def floating_interface_motion(interface: Interface, motion: FloatingMotion) -> I
     )
 
 
-def _angular_velocity(cubic_turn: float, theta: Array, rate: Array) -> Array:
+def _angular_velocity(cubic_turn: float, theta: FloatArray, rate: FloatArray) -> FloatArray:
     """Angular velocity T(phi) dphi (t, 3), relative to the frame and in the axes rotated by exp(phi):
 
     T(phi) dphi = dphi - (1 - cos p)/p^2 phi x dphi + (p - sin p)/p^3 phi x (phi x dphi),   p = |phi|
@@ -163,8 +167,8 @@ def _angular_velocity(cubic_turn: float, theta: Array, rate: Array) -> Array:
 
 
 def _of_frame(
-    body: Deforming, q: Array, dq: Array, ddq: Array, nodes: NDArray[np.intp]
-) -> tuple[Array, Array, Array]:
+    body: Deforming, q: FloatArray, dq: FloatArray, ddq: FloatArray, nodes: NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Displacements (t, k, 3) of some nodes in the frame, and their first and second time derivatives.
 
     Displacements are quadratic, u = V q + Z(q, q). expand_rates returns V dq + 2 Z(q, dq), and
@@ -175,7 +179,7 @@ def _of_frame(
     return body.expand(q, nodes), rate, second + quadratic
 
 
-def _in_space(motion: FloatingMotion, place: Array, rate: Array, second: Array) -> NodeMotion:
+def _in_space(motion: FloatingMotion, place: FloatArray, rate: FloatArray, second: FloatArray) -> NodeMotion:
     """Motion in space of points at `place` (t, k, 3) in the frame, from their time derivatives in the frame.
 
     rate, second : (t, k, 3) first and second time derivatives of `place`
@@ -185,7 +189,7 @@ def _in_space(motion: FloatingMotion, place: Array, rate: Array, second: Array) 
     velocity = turning + rate
     acceleration = np.cross(dw, place) + np.cross(w, turning) + 2 * np.cross(w, rate) + second
 
-    def turned(vectors: Array) -> Array:
+    def turned(vectors: FloatArray) -> FloatArray:
         return np.einsum("tij,tkj->tki", motion.rotation, vectors)
 
     return NodeMotion(

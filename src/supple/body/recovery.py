@@ -18,13 +18,12 @@ import scipy  # its parts are imported when first used
 from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.algebra.arrays import FloatArray
 from supple.body.mass_properties import rigid_mass_properties
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError
 
 __all__ = ["Recovery"]
-
-FloatArray = NDArray[np.float64]
 
 # Largest accepted deviation of the points from rigid motion, relative to the size of the body in rotations.
 # Matrices printed with few digits stay below this value.

@@ -21,14 +21,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.algebra.arrays import FloatArray, IntArray
 from supple.fem import QuadraticStrain
 from supple.fem.node_sparsity import cell_nodes
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 RigidSet = tuple[IntArray, FloatArray]
 
 

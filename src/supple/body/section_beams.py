@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.fem import CoupledBeamSection, FiniteElementModel, Section, finite_element_model
@@ -12,8 +12,6 @@ from supple.importers import SectionTable
 from supple.mesh import CellType, Mesh
 
 __all__ = ["section_beams"]
-
-Array = NDArray[np.float64]
 
 
 @checked_arguments
@@ -44,7 +42,7 @@ def section_beams(table: SectionTable, n_elements: int | None = None) -> FiniteE
     z = z / np.linalg.norm(z, axis=1)[:, None]
     beam = np.stack([x, np.cross(z, x), z], axis=1)
 
-    def along_beams(matrices: Array, end: int) -> Array:
+    def along_beams(matrices: FloatArray, end: int) -> FloatArray:
         """Section matrices (n, 6, 6) at the first (0) or second (1) end of each beam, in the beam's axes."""
         own = slice(end, n + end)
         turn = np.zeros((n, 6, 6))

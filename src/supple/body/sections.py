@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from supple.algebra.arrays import FloatArray
 from supple.arguments import check_fields
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, QuadraticStrain, RigidPiece
@@ -20,8 +21,6 @@ from supple.integrate.motion import FloatingMotion, Motion
 
 if TYPE_CHECKING:
     from supple.body.body_form import BodyForm
-
-Array = NDArray[np.float64]
 
 ROUNDING = 1e-9
 """Points up to this distance from the plane, relative to the size of the body, count as on the plane."""
@@ -49,7 +48,7 @@ class CuttingPlane:
                 f"{self.normal}"
             )
 
-    def heights(self, places: Array) -> Array:
+    def heights(self, places: FloatArray) -> FloatArray:
         """Signed distances (...) of points (..., 3) from the plane along the normal; zero within ROUNDING."""
         heights = (places - self.point) @ (np.asarray(self.normal) / np.linalg.norm(self.normal))
         size = np.ptp(places.reshape(-1, 3), axis=0).max(initial=0.0)
@@ -63,11 +62,11 @@ class _Layer(NamedTuple):
     """(m,) numbers of the nodal freedoms of the nodes of these elements"""
     blocks: tuple[QuadraticStrain, ...]
     """strains of these elements; their dofs are positions in `freedoms`"""
-    shares: tuple[Array, ...]
+    shares: tuple[FloatArray, ...]
     """(E,) for each block: 1/2 for elements on the near side, -1/2 on the far side"""
     cut: NDArray[np.int64]
     """(k, d) positions in `freedoms` of the freedoms of the section's k nodes"""
-    places: Array
+    places: FloatArray
     """(k, 3) undeformed positions of the section's nodes"""
 
 
@@ -76,7 +75,7 @@ class Sections(NamedTuple):
 
     axes: str
     """Name of the axes of the forces"""
-    loads: Callable[[Motion, CuttingPlane], Array]
+    loads: Callable[[Motion, CuttingPlane], FloatArray]
     """From a motion and a plane to the force and moment (t, 6) exerted by the far side on the near side"""
     check: Callable[[CuttingPlane], object]
     """ModelError for a plane that is no section, before there is a motion"""
@@ -87,7 +86,9 @@ def sections_of_elements(body: BodyForm, model: FiniteElementModel) -> Sections:
     return Sections(f"axes of {body.name}", partial(section_loads, body, model), partial(_layer, body, model))
 
 
-def section_loads(body: BodyForm, model: FiniteElementModel, motion: Motion, plane: CuttingPlane) -> Array:
+def section_loads(
+    body: BodyForm, model: FiniteElementModel, motion: Motion, plane: CuttingPlane
+) -> FloatArray:
     """Force and moment (t, 6) of the far side of a plane on the near side, in the body's axes.
 
         F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
@@ -167,7 +168,9 @@ def _renumbered(block: QuadraticStrain, freedoms: NDArray[np.int64], *, linear: 
     return replace(block, dofs=own, N=form)
 
 
-def _resultants(layer: _Layer, plane: CuttingPlane, moved: Array, condensed: Array | None) -> Array:
+def _resultants(
+    layer: _Layer, plane: CuttingPlane, moved: FloatArray, condensed: FloatArray | None
+) -> FloatArray:
     """Force and moment (t, 6) for values (m, t) of the freedoms and of their condensed part."""
     condensed = np.zeros_like(moved) if condensed is None else condensed
     forces = np.zeros_like(moved)

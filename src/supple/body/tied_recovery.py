@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.algebra.arrays import FloatArray
 from supple.body.coordinates import rigid_sets
 from supple.body.interface import Interface
 from supple.body.rigid_motion import averaged_motion
 from supple.body.second_order_tie import tied_parts
 from supple.fem import Attached, RigidPiece, StressRecovery
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +30,7 @@ class InnerPiece:
     """
 
     name: str
-    position: Array
+    position: FloatArray
     tied_nodes: NDArray[np.int64]
     motion: sparse.csr_array
 
@@ -41,7 +40,7 @@ Tied = Interface | InnerPiece
 
 
 def inner_pieces(
-    pieces: Sequence[RigidPiece], nodes: Array, dofs_per_node: int, interfaces: Sequence[Tied]
+    pieces: Sequence[RigidPiece], nodes: FloatArray, dofs_per_node: int, interfaces: Sequence[Tied]
 ) -> tuple[InnerPiece, ...]:
     """The rigid pieces without tied nodes of an interface; pieces that share nodes are merged."""
     if not pieces:
@@ -62,7 +61,7 @@ def inner_pieces(
 
 
 def tied_recovery(
-    recovery: StressRecovery, nodes: Array, dofs_per_node: int, interfaces: Sequence[Tied]
+    recovery: StressRecovery, nodes: FloatArray, dofs_per_node: int, interfaces: Sequence[Tied]
 ) -> StressRecovery:
     """The stress recovery as a function of the freedoms of the nodes, then of the virtual nodes of ties.
 
@@ -80,8 +79,8 @@ def tied_recovery(
 
 
 def with_virtual_freedoms(
-    nodal: Array, motions: Sequence[Array], interfaces: Sequence[Tied], dofs_per_node: int
-) -> Array:
+    nodal: FloatArray, motions: Sequence[FloatArray], interfaces: Sequence[Tied], dofs_per_node: int
+) -> FloatArray:
     """Nodal freedoms (n_nodal, m), then the freedoms of the virtual nodes of interfaces with tied nodes.
 
     motions : (6, m) of each interface; only the last three rows if dofs_per_node is 3

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
+from supple.algebra.arrays import FloatArray
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import BodyInterface
 from supple.body.rigid_motion import are_collinear
@@ -30,10 +31,8 @@ from supple.fem import QuadraticStrain
 from supple.fem.node_sparsity import cell_nodes
 from supple.fem.quadratic_strain import internal_force
 
-Array = NDArray[np.float64]
 
-
-def turned_force(body: FlexibleBody, q: Array) -> Array:
+def turned_force(body: FlexibleBody, q: FloatArray) -> FloatArray:
     """Internal force (n,) at the body's coordinates q (n,), for elements and ties that rotate exactly.
 
     Raises ModelError for a body without elements.
@@ -67,7 +66,7 @@ class _Piece(NamedTuple):
     """Nodes tied to a point: (u, theta) = motion @ q, rotation vector theta (1 + cubic_turn theta.theta)."""
 
     nodes: NDArray[np.int64]
-    position: Array
+    position: FloatArray
     motion: csr_array
     cubic_turn: float
 
@@ -94,7 +93,7 @@ def _pieces(body: FlexibleBody) -> list[_Piece]:
     return found
 
 
-def _element_forces(block: QuadraticStrain, corners: Array, freedoms: Array) -> Array:
+def _element_forces(block: QuadraticStrain, corners: FloatArray, freedoms: FloatArray) -> FloatArray:
     """Nodal forces (E, k, d) of elements, from undeformed positions (E, k, 3) and freedoms (E, k, d)."""
     n_elements, k, d = freedoms.shape
     if d == 3:
@@ -120,14 +119,14 @@ def _is_rigid(interface: BodyInterface) -> bool:
     return interface.motion.nnz == 6 and bool((interface.motion.data == 1).all())
 
 
-def _rotation_vector(piece: _Piece, motion: Array) -> tuple[Array, Array]:
+def _rotation_vector(piece: _Piece, motion: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Rotation vector phi (3,) of a piece, and d phi / d theta (3, 3) by its rotational freedoms theta."""
     theta, c = motion[3:], piece.cubic_turn
     factor = 1 + c * theta @ theta
     return factor * theta, factor * np.eye(3) + 2 * c * np.outer(theta, theta)
 
 
-def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
+def _place(nodal: FloatArray, nodes: FloatArray, piece: _Piece, motion: FloatArray) -> None:
     """Set the freedoms of a piece's nodes in `nodal` to those of its exact rigid motion."""
     phi, _ = _rotation_vector(piece, motion)
     arms = nodes[piece.nodes] - piece.position
@@ -135,7 +134,7 @@ def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
     nodal[piece.nodes, 3:] = phi[: nodal.shape[1] - 3]
 
 
-def _on_virtual_node(forces: Array, nodes: Array, piece: _Piece, motion: Array) -> Array:
+def _on_virtual_node(forces: FloatArray, nodes: FloatArray, piece: _Piece, motion: FloatArray) -> FloatArray:
     """Force and moment (6,) of the nodal forces on a piece, conjugate to its freedoms (u, theta)."""
     phi, by_freedom = _rotation_vector(piece, motion)
     own = forces[piece.nodes]
@@ -146,7 +145,7 @@ def _on_virtual_node(forces: Array, nodes: Array, piece: _Piece, motion: Array) 
     return np.concatenate([own[:, :3].sum(axis=0), by_freedom.T @ moment])
 
 
-def _left_jacobian(phi: Array) -> Array:
+def _left_jacobian(phi: FloatArray) -> FloatArray:
     """T (.., 3, 3): T dphi/dt is the angular velocity of exp(phi) in the fixed axes, those of phi."""
     angle = np.sqrt((phi**2).sum(axis=-1))[..., None, None]
     small = angle < 1e-4

@@ -11,13 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.algebra.arrays import FloatArray, IntArray
 from supple.arguments import check_numbers, checked_arguments
 from supple.errors import ModelError
 
 __all__ = ["Cycles", "Residue", "rainflow"]
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _NONE = np.zeros(0, dtype=np.int64)
 _GROUP = 2**21
@@ -52,20 +50,20 @@ class Cycles:
     residue : rule by which the residue was counted
     """
 
-    ranges: Array = field(repr=False)
-    means: Array = field(repr=False)
-    counts: Array = field(repr=False)
+    ranges: FloatArray = field(repr=False)
+    means: FloatArray = field(repr=False)
+    counts: FloatArray = field(repr=False)
     channels: IntArray = field(repr=False)
     shape: tuple[int, ...]
     residue: Residue
 
-    def total(self, values: ArrayLike) -> Array:
+    def total(self, values: ArrayLike) -> FloatArray:
         """Sum of values (c,) times counts for each channel."""
         weights = np.asarray(values) * self.counts
         found = np.bincount(self.channels, weights, minlength=prod(self.shape))
         return found.astype(np.float64).reshape(self.shape)
 
-    def largest(self, values: Array) -> Array:
+    def largest(self, values: FloatArray) -> FloatArray:
         """Largest of the nonnegative values (c,) for each channel; 0 without cycles."""
         found = np.zeros(prod(self.shape))
         np.maximum.at(found, self.channels, values)
@@ -113,14 +111,14 @@ def rainflow(values: ArrayLike, residue: Residue = Residue.HALF_CYCLES) -> Cycle
 class _Points(NamedTuple):
     """Points of several channels in one sequence, separated by NaN, for which all comparisons are false."""
 
-    values: Array
+    values: FloatArray
     channels: IntArray
 
     def at(self, rows: NDArray) -> _Points:
         return _Points(self.values[rows], self.channels[rows])
 
 
-def _line(columns: Array, first: int) -> _Points:
+def _line(columns: FloatArray, first: int) -> _Points:
     """Channels (c, t), numbered from `first`, as one sequence."""
     line = np.full((len(columns), columns.shape[1] + 1), np.nan)
     line[:, :-1] = columns
@@ -139,7 +137,7 @@ def _reversals(points: _Points) -> _Points:
     return points.at(np.concatenate([[True], inner, [True]]))
 
 
-def _count(points: _Points, residue: Residue) -> tuple[Array, Array, Array, IntArray]:
+def _count(points: _Points, residue: Residue) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
     """Ranges, means, counts and channels of cycles."""
     firsts, seconds, rest = _closed(points)
     if residue is Residue.CLOSED:
@@ -200,7 +198,7 @@ def _every_other(closes: NDArray[np.bool_]) -> IntArray:
     return rows[(np.arange(len(rows)) - begins) % 2 == 0]
 
 
-def _on_a_stack(values: Array) -> tuple[IntArray, IntArray]:
+def _on_a_stack(values: FloatArray) -> tuple[IntArray, IntArray]:
     """First and second reversals of all cycles that close, point by point."""
     stack: list[tuple[int, float]] = []
     found: list[tuple[int, int]] = []

@@ -6,22 +6,21 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.algebra import read_only
+from supple.algebra.arrays import FloatArray
 from supple.arguments import Positive, check_numbers, checked_arguments
 from supple.errors import ModelError
 from supple.fatigue.cycle_count import Cycles
 
 __all__ = ["EquivalentLoad", "Goodman", "MeanCorrection", "damage_equivalent_load"]
 
-Array = NDArray[np.float64]
-
 
 class MeanCorrection(Protocol):
     """Effect of the mean of a cycle on its range."""
 
-    def corrected(self, cycles: Cycles) -> Array:
+    def corrected(self, cycles: Cycles) -> FloatArray:
         """Ranges (c,) about a mean of zero with the same damage."""
         ...
 
@@ -44,7 +43,7 @@ class Goodman:
             raise ModelError(f"Goodman: ultimate must be finite and positive, got {self.ultimate}")
         object.__setattr__(self, "ultimate", read_only(ultimate))
 
-    def corrected(self, cycles: Cycles) -> Array:
+    def corrected(self, cycles: Cycles) -> FloatArray:
         """Ranges (c,) about a mean of zero; ModelError where a peak reaches the ultimate load."""
         try:
             ultimate = np.broadcast_to(self.ultimate, cycles.shape).ravel()[cycles.channels]
@@ -72,7 +71,7 @@ class EquivalentLoad:
     exponent, reference_cycles, correction : as for `damage_equivalent_load`;   residue : value of a `Residue`
     """
 
-    ranges: Array = field(repr=False)
+    ranges: FloatArray = field(repr=False)
     exponent: float
     reference_cycles: float
     residue: str

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.algebra.arrays import FloatArray
 from supple.arguments import Positive, check_fields, check_ranges, checked_arguments
 from supple.errors import ModelError
 
 __all__ = ["Lifetime", "Weibull", "lifetime_of_cases"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -29,11 +28,11 @@ class Weibull:
         check_fields(self)
         check_ranges("Weibull", self)
 
-    def below(self, speed: ArrayLike) -> Array:
+    def below(self, speed: ArrayLike) -> FloatArray:
         """Probability (...) of a speed below `speed` (...)."""
         return -np.expm1(-((np.maximum(speed, 0.0) / self.scale) ** self.shape))
 
-    def quantiles(self, shares: Array) -> Array:
+    def quantiles(self, shares: FloatArray) -> FloatArray:
         """Speeds at given cumulative probabilities: v = scale (-ln(1 - F))^(1 / shape)."""
         return self.scale * (-np.log1p(-shares)) ** (1 / self.shape)
 
@@ -46,16 +45,16 @@ class Lifetime:
     covered : share of the lifetime covered by the bins of the cases; the uncovered share adds no damage
     """
 
-    repeats: Array = field(repr=False)
+    repeats: FloatArray = field(repr=False)
     covered: float
 
-    def damage(self, damages: ArrayLike) -> Array:
+    def damage(self, damages: ArrayLike) -> FloatArray:
         """Damage (...) in the lifetime, from damages (n, ...) of the cases."""
         return np.tensordot(self.repeats, self._of_cases(damages, "damages"), axes=1)
 
     def equivalent_load(
         self, loads: ArrayLike, exponent: float, reference_cycles: ArrayLike, lifetime_cycles: float
-    ) -> Array:
+    ) -> FloatArray:
         """Damage-equivalent range (...) of the lifetime.
 
             L_life = (sum_j w_j N_j L_j^m / N_life)^(1/m)
@@ -75,7 +74,7 @@ class Lifetime:
         ratios = ranges / np.where(largest > 0, largest, 1.0)
         return largest * np.tensordot(weights, ratios**exponent, axes=1) ** (1 / exponent)
 
-    def _of_cases(self, values: ArrayLike, what: str) -> Array:
+    def _of_cases(self, values: ArrayLike, what: str) -> FloatArray:
         found = np.asarray(values, dtype=np.float64)
         if found.shape[:1] != self.repeats.shape:
             raise ModelError(

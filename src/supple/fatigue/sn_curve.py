@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.algebra.arrays import FloatArray
 from supple.arguments import Positive, check_fields, check_ranges, checked_arguments
 from supple.errors import ModelError
 from supple.fatigue.cycle_count import Cycles
 from supple.fatigue.equivalent_load import MeanCorrection
 
 __all__ = ["SNCurve", "ThicknessEffect", "miner_damage"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ class SNCurve:
                 f"({self.exponent:g}); the curve is flatter at small ranges: exchange them"
             )
 
-    def damage(self, ranges: ArrayLike) -> Array:
+    def damage(self, ranges: ArrayLike) -> FloatArray:
         """Damage 1 / N (...) of one cycle of stress ranges (...)."""
         factor = 1.0 if self.thickness is None else self.thickness.factor
         ratio = np.asarray(ranges, dtype=np.float64) * (factor / self.reference_range)
@@ -82,7 +81,7 @@ class SNCurve:
 
 
 @checked_arguments
-def miner_damage(cycles: Cycles, curve: SNCurve, correction: MeanCorrection | None = None) -> Array:
+def miner_damage(cycles: Cycles, curve: SNCurve, correction: MeanCorrection | None = None) -> FloatArray:
     """Damage of each channel (...) by the rule of Palmgren and Miner; failure is at 1.
 
         D = sum_i n_i / N(S_i)

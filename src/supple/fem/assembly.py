@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, eye_array
 
+from supple.algebra.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem import quadratic_strain
 from supple.fem.model import FiniteElementModel
@@ -27,7 +28,6 @@ from supple.fem.quadratic_strain import QuadraticStrain
 __all__ = ["Assembly", "StrainWorks", "assemble", "assemble_strains"]
 
 Array = NDArray[Any]
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.integer]
 # Any scipy.sparse array: their common base declares no shape.
 SparseArray = Any

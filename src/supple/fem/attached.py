@@ -6,15 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
+from supple.algebra.arrays import FloatArray, IntArray
 from supple.fem.quadratic_strain import QuadraticStrain
 
 __all__ = ["Attached", "Constraints", "RigidPiece", "linear_strains"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,17 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
+from supple.algebra.arrays import IntArray
 from supple.errors import ModelError
 from supple.fem.attached import Attached, Constraints, RigidPiece
 from supple.fem.mass import CellMass
 from supple.fem.quadratic_strain import QuadraticStrain
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def attached_parts(

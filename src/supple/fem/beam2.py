@@ -15,14 +15,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.algebra.cross import cross_matrices
 from supple.errors import ModelError
 from supple.fem.beam_section import MX, MY, MZ, VY, VZ, LineSection, N
 from supple.fem.mass import CellMass
 from supple.fem.quadratic_strain import QuadraticStrain
 from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
-
-FloatArray = NDArray[np.float64]
 
 # An orientation within this angle of the beam, rad, does not define axes; ends closer than this fraction of
 # the distance of their nodes coincide. Both raise ModelError.

@@ -13,14 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.algebra.cross import cross_matrix
 from supple.errors import ModelError
 from supple.fem.material import Isotropic, check_not_negative, lowest_scaled_eigenvalue, stiffness_matrix
 from supple.mesh import SectionGeometry
 
 __all__ = ["BeamSection", "CoupledBeamSection", "LineSection", "RodSection"]
-
-FloatArray = NDArray[np.float64]
 
 N, VY, VZ, MX, MY, MZ = range(6)
 

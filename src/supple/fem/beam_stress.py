@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.fem.beam2 import BeamLine
 from supple.fem.beam_section import MX, MY, MZ, VY, VZ, BeamSection, LineSection, N, RodSection
 from supple.fem.quadratic_strain import QuadraticStrain
-
-FloatArray = NDArray[np.float64]
 
 FIRST, SECOND = 0, 1
 XX, XZ, XY = 0, 4, 5

@@ -10,16 +10,14 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.errors import SuppleWarning
 from supple.fem.section import Section
 from supple.fem.shell_section import HomogeneousSection, LaminateSection
 from supple.fem.shell_triangle import free_bending
 from supple.mesh import Mesh
 from supple.mesh.facet_curvature import facet_curvature
-
-FloatArray = NDArray[np.float64]
 
 COARSE = 3.0
 """Value of `|det K| h^3 / t` above which a triangle is coarse."""

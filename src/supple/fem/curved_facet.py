@@ -19,12 +19,10 @@ Mech. (1938) 93-101).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.fem.kirchhoff_bending import side_directions
 from supple.fem.optimal_membrane import LAST, NEXT, linear_gradients
-
-FloatArray = NDArray[np.float64]
 
 
 def bent_with_surface(xy: FloatArray, curvature: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -6,9 +6,8 @@ eps = B q + 1/2 N(a, a),   a = G q the displacement gradients,   N symmetric in 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from supple.algebra.arrays import FloatArray
 
 
 def green_lagrange_form(n_components: int, strains: tuple[tuple[int, int], ...]) -> FloatArray:

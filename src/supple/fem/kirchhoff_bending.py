@@ -24,11 +24,9 @@ bending analysis", Int. J. Numer. Methods Eng. 36 (1993) 1859-1883.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.fem.optimal_membrane import NEXT, linear_gradients
-
-FloatArray = NDArray[np.float64]
 
 # Middle of the sides 12, 23, 31 in area coordinates; with equal weights they integrate quadratics exactly.
 MIDSIDES = 0.5 * np.array([[1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]])

@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, kron
 
+from supple.algebra.arrays import FloatArray
 from supple.algebra.cross import cross_matrices
 from supple.algebra.narrow_indices import narrow_indices
 from supple.fem.shell_section import ShellSection
 
 __all__ = ["CellMass", "consistent_mass"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,9 +15,8 @@ Mech. Engrg. 192 (2003) 2125-2168, sections 3-5, with the OPT parameters.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from supple.algebra.arrays import FloatArray
 
 ALPHA = 1.5
 """Weight of the drilling rotations in the constant strain (alpha_b)."""

@@ -23,10 +23,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
+
 __all__ = ["QuadraticStrain"]
 
 Array = NDArray[Any]
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

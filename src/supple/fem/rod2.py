@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.fem.beam_section import RodSection
 from supple.fem.mass import CellMass
 from supple.fem.quadratic_strain import QuadraticStrain
-
-FloatArray = NDArray[np.float64]
 
 
 def rod_strain(ends: FloatArray, dofs: NDArray[np.int64], section: RodSection) -> QuadraticStrain:

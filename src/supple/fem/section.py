@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray, IntArray
 from supple.arguments import check_instance
 from supple.errors import ModelError
 from supple.fem.beam_section import LineSection, RodSection
@@ -18,8 +19,6 @@ from supple.mesh import CellType, Mesh
 
 __all__ = ["Section"]
 
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 Property = ShellSection | LineSection | RodSection | Isotropic | Anisotropic
 PER_CELL = ("directions", "offsets", "released", "mass_share", "surface_curvature")
 """Fields of a `Section` with one entry per cell."""

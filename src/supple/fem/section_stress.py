@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from supple.algebra.arrays import FloatArray
 from supple.fem.beam2 import BeamLine
 from supple.fem.beam_section import BeamSection, LineSection, RodSection
 from supple.fem.beam_stress import (
@@ -26,8 +27,6 @@ from supple.fem.section import Section
 from supple.fem.shell_section import HomogeneousSection, LaminateSection
 from supple.fem.shell_triangle import element_axes, layer_strain
 from supple.fem.solid_element import extrapolation, solid_element, turned_elasticity
-
-FloatArray = NDArray[np.float64]
 
 LAYERS = (-1.0, 0.0, 1.0)
 """Layers of a shell, bottom, middle and top: z over half the thickness, along the element normal."""

@@ -25,13 +25,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.fem.kinematics import green_lagrange_form
 
 __all__ = ["GREEN_LAGRANGE", "VON_KARMAN", "ShellKinematics"]
-
-FloatArray = NDArray[np.float64]
 
 # Indices of the gradients a = G q.
 UX, UY, VX, VY, WX, WY = range(6)

@@ -7,15 +7,14 @@ from math import isfinite
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.algebra.arrays import FloatArray
 from supple.arguments import check_fields
 from supple.errors import ModelError
 from supple.fem.material import Isotropic, check_not_negative, lowest_scaled_eigenvalue, stiffness_matrix
 
 __all__ = ["HomogeneousSection", "LaminateSection", "ShellSection"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem.curved_facet import bent_with_surface
 from supple.fem.kirchhoff_bending import (
@@ -60,8 +61,6 @@ from supple.fem.shell_kinematics import (
     Y,
 )
 from supple.fem.shell_section import HomogeneousSection, ShellSection
-
-FloatArray = NDArray[np.float64]
 
 
 def shell_triangle(

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.fem.kinematics import SOLID_FORM, VOIGT
 from supple.fem.material import Anisotropic, Isotropic
@@ -24,9 +24,6 @@ from supple.mesh.quadrature import (
     strain_rule,
 )
 from supple.mesh.reference_cell import reference_nodes, shape_functions, shape_gradients
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

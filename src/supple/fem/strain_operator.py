@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import bsr_array, csc_array, csr_array
 
+from supple.algebra.arrays import FloatArray
 from supple.fem.assembly import Assembly
 from supple.fem.quadratic_strain import QuadraticStrain
-
-Array = NDArray[np.float64]
 
 
 class _Part(NamedTuple):
@@ -35,30 +34,30 @@ class _Part(NamedTuple):
     first: NDArray[np.intp]
     second: NDArray[np.intp]
     """`i` and `j` of the products, (k,)"""
-    products: csr_array | Array
+    products: csr_array | FloatArray
     """Coefficients of the quadratic form: one sparse matrix (s, k), or a matrix per point, (P, s, k)"""
     sums: tuple[csr_array, csr_array]
     """Selection of the products by their first and their second gradient, (d, k)"""
 
-    def split(self, q: Array) -> tuple[Array, Array]:
+    def split(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Linear strains (s, P) and gradients (d, P)."""
         _, _, n_strains, _ = self.block.B.shape
         joined = (self.linear @ q).reshape(n_strains + self.block.G.shape[2], -1)
         return joined[:n_strains], joined[n_strains:]
 
-    def by_products(self, products: Array) -> Array:
+    def by_products(self, products: FloatArray) -> FloatArray:
         """Strains (s, P) from products (k, P)."""
         if isinstance(self.products, csr_array):
             return self.products @ products
         return np.einsum("psk,kp->sp", self.products, products)
 
-    def on_products(self, stress: Array) -> Array:
+    def on_products(self, stress: FloatArray) -> FloatArray:
         """The transpose of `by_products`: (k, P) from stresses (s, P)."""
         if isinstance(self.products, csr_array):
             return self.products.T @ stress
         return np.einsum("psk,sp->kp", self.products, stress)
 
-    def stress(self, strain: Array) -> Array:
+    def stress(self, strain: FloatArray) -> FloatArray:
         """`w D strain` with the enhanced strains, (s, P)."""
         D, w = self.block.D, self.block.w
         if self.block.enhanced is not None:
@@ -76,7 +75,7 @@ class StrainOperator:
 
     parts: tuple[_Part, ...]
 
-    def force(self, q: Array, rates: Array, retardation_time: float) -> Array:
+    def force(self, q: FloatArray, rates: FloatArray, retardation_time: float) -> FloatArray:
         """Force (n,) of the stresses `D (eps + tau eps_dot)`, elastic and of Kelvin-Voigt damping.
 
         q, rates : (n,); retardation_time : tau, s, 0 for none
@@ -84,7 +83,7 @@ class StrainOperator:
         return np.sum([self._force(part, q, rates, retardation_time) for part in self.parts], axis=0)
 
     @staticmethod
-    def _force(part: _Part, q: Array, rates: Array, time: float) -> Array:
+    def _force(part: _Part, q: FloatArray, rates: FloatArray, time: float) -> FloatArray:
         i, j = part.first, part.second
         strain, a = part.split(q)
         at_i, at_j = a[i], a[j]

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any, TypedDict
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from supple.algebra.arrays import FloatArray
 from supple.arguments import checked_arguments
 from supple.body import BodyForm, RigidBody
 from supple.errors import ImportFormatError, ModelError
@@ -38,8 +38,6 @@ from supple.machine.system import Load, Placed, System
 __all__ = ["MUJOCO_SUFFIXES", "features_not_read", "read_mujoco"]
 
 MUJOCO_SUFFIXES = (".urdf", ".xml")
-
-Array = NDArray[np.float64]
 
 _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
 _CONNECT, _WELD = 0, 1
@@ -68,14 +66,14 @@ class _Group:
     """
 
     name: str
-    position: Array
-    rotation: Array
+    position: FloatArray
+    rotation: FloatArray
     mass: float
-    centre: Array
-    inertia: Array
-    points: dict[str, Array] = field(default_factory=dict)
+    centre: FloatArray
+    inertia: FloatArray
+    points: dict[str, FloatArray] = field(default_factory=dict)
 
-    def local(self, point: Array) -> Array:
+    def local(self, point: FloatArray) -> FloatArray:
         """Coordinates (3,) of a global point in the frame of the group."""
         return self.rotation.T @ (point - self.position)
 
@@ -253,7 +251,7 @@ class _Reader:
             )
         return result
 
-    def end(self, body: int, name: str, point: Array) -> At:
+    def end(self, body: int, name: str, point: FloatArray) -> At:
         """Add an interface to a body and return its end; the ground for a body welded to the ground."""
         group = self.groups.get(int(self.weldid[body]))
         if group is None:
@@ -360,7 +358,7 @@ class _Reader:
         rate = 1 / (time * ratio) ** 2 if time > 0 else -time  # negative numbers are stiffness and damping
         return Penalty(stiffness=inertia * rate)
 
-    def _weld_rotation(self, number: int) -> Array:
+    def _weld_rotation(self, number: int) -> FloatArray:
         """Rotation (3, 3) at which a weld of bodies holds the second body relative to the first."""
         w, x, y, z = self.model.eq_data[number][6:10]
         return Rotation.from_quat([x, y, z, w]).as_matrix() if any((w, x, y, z)) else np.eye(3)

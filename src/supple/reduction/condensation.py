@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 from scipy.sparse import csc_array
 
+from supple.algebra.arrays import FloatArray
 from supple.body import FlexibleBody, Frame, NodalFixedFrame, frame_projector
 from supple.reduction.bases.guyan import interface_shapes
 from supple.reduction.condensed_inertia import condensed_moments
@@ -20,8 +21,6 @@ from supple.reduction.reduction_basis import ReductionBasis
 from supple.reduction.tensors import StrainProducts
 
 __all__ = ["Condensation", "CondensedQuartic", "PlainQuartic", "QuarticChoice"]
-
-Array = NDArray[np.float64]
 
 # Largest number of entries of the pair forces (n, pairs) in memory (128 MiB); more are evaluated in blocks of
 # pairs, with FEWEST_AT_ONCE pairs or more in each.
@@ -72,13 +71,13 @@ class Condensation:
     basis: ReductionBasis
 
     @cached_property
-    def energy(self) -> Array:
+    def energy(self) -> FloatArray:
         """R (n2, n2), positive semidefinite, of the pairs j <= k of columns; n2 = r(r+1)/2."""
         energy = self._energy_of_all - self._held.T @ self._held
         return (energy + energy.T) / 2
 
     @cached_property
-    def interface_energy(self) -> Array:
+    def interface_energy(self) -> FloatArray:
         """Increase (n2, n2) of R if z could move the interfaces; zero if the basis contains their shapes."""
         return self._held_by_interfaces.T @ self._held_by_interfaces
 
@@ -108,7 +107,7 @@ class Condensation:
         moments = condensed_moments(self.body, fields, amplitudes) if rank else None
         return CondensedMotion(fields, amplitudes, moments)
 
-    def bilinear(self, a: Array, b: Array) -> Array:
+    def bilinear(self, a: FloatArray, b: FloatArray) -> FloatArray:
         """The symmetric bilinear form z(a, b), (n, k), of k pairs of coordinates a, b (k, r); z(a, a) = z(a).
 
         The motion is relative to the frame of the basis. Each pair needs one static solution.
@@ -118,7 +117,7 @@ class Condensation:
         forces = self.body.assembly.strain_pair_forces(moved, numbers, numbers + len(a))
         return 0.5 * frame_projector(self.body, self.basis.frame)(self._outside(forces))
 
-    def rigid_part(self, moved: Array) -> Array:
+    def rigid_part(self, moved: FloatArray) -> FloatArray:
         """Rigid motion rho (6, k) such that z + R rho leaves the first interface at rest.
 
         The displacements of the reduced body contain z + R rho; rho is a translation and a rotation in the
@@ -135,13 +134,13 @@ class Condensation:
         interfaces = self.body.interfaces
         return NodalFixedFrame(interfaces[0].name) if interfaces else self.basis.frame
 
-    def _outside(self, forces: Array) -> Array:
+    def _outside(self, forces: FloatArray) -> FloatArray:
         """Motions (n, k) due to pair forces (n, k), less their part in the columns and interface shapes."""
         held = np.hstack([self._columns, self._interfaces])
         return held @ (held.T @ forces) - self.body.grounded_stiffness.factor.solve(forces)
 
     @property
-    def _vectors(self) -> Array:
+    def _vectors(self) -> FloatArray:
         return self.basis.vectors
 
     @cached_property
@@ -154,18 +153,18 @@ class Condensation:
         return tuple(slice(start, min(start + size, n2)) for start in range(0, n2, size))
 
     @cached_property
-    def _forces(self) -> Callable[[slice], Array]:
+    def _forces(self) -> Callable[[slice], FloatArray]:
         """Function that returns the forces (n, size) of a block of pairs; it caches the last block."""
         first, second = self._pairs
 
         @lru_cache(maxsize=1)
-        def between(start: int, stop: int) -> Array:
+        def between(start: int, stop: int) -> FloatArray:
             pairs = slice(start, stop)
             return self.body.assembly.strain_pair_forces(self._vectors, first[pairs], second[pairs])
 
         return lambda block: between(block.start, block.stop)
 
-    def _forces_of(self, spanning: NDArray[np.intp]) -> Array:
+    def _forces_of(self, spanning: NDArray[np.intp]) -> FloatArray:
         """Forces (n, k) of k pairs, from the cached block if there is only one block."""
         first, second = self._pairs
         if len(self._blocks) == 1:
@@ -173,7 +172,7 @@ class Condensation:
         return self.body.assembly.strain_pair_forces(self._vectors, first[spanning], second[spanning])
 
     @cached_property
-    def _energy_of_all(self) -> Array:
+    def _energy_of_all(self) -> FloatArray:
         """Gram matrix (n2, n2), in the K-norm, of the whole motions t_jk: f^T K^-1 f, with K t = -f."""
         n2 = len(self._pairs[0])
         energy = np.empty((n2, n2))
@@ -185,29 +184,31 @@ class Condensation:
         return energy
 
     @cached_property
-    def _held(self) -> Array:
+    def _held(self) -> FloatArray:
         """(q, n2): work of the pair forces on the q K-orthonormal columns and interface shapes."""
         shapes = np.hstack([self._columns, self._interfaces])
         return np.hstack([shapes.T @ self._forces(block) for block in self._blocks])
 
     @property
-    def _held_by_interfaces(self) -> Array:
+    def _held_by_interfaces(self) -> FloatArray:
         return self._held[self._columns.shape[1] :]
 
     @cached_property
-    def _columns(self) -> Array:
+    def _columns(self) -> FloatArray:
         """The basis, K-orthonormal."""
         return _orthonormalized(self._vectors, self.body.stiffness)
 
     @cached_property
-    def _interfaces(self) -> Array:
+    def _interfaces(self) -> FloatArray:
         """Static interface shapes outside the columns, K-orthonormal; the first interface is fixed."""
         if len(self.body.independent_interfaces) < 2:
             return np.empty((self.body.n, 0))
         return _orthonormalized(interface_shapes(self.body)[:, 6:], self.body.stiffness, self._columns)
 
 
-def _orthonormalized(shapes: Array, stiffness: csc_array, before: Array | None = None) -> Array:
+def _orthonormalized(
+    shapes: FloatArray, stiffness: csc_array, before: FloatArray | None = None
+) -> FloatArray:
     """K-orthonormal columns that span the part of `shapes` outside the K-orthonormal columns `before`."""
     scaled = shapes / np.sqrt(np.sum(shapes * (stiffness @ shapes), axis=0))
     smallest = DEPENDENT

@@ -27,16 +27,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.reduction.tensors import number_of_coordinates, unpack_symmetric
 
 if TYPE_CHECKING:
     from supple.reduction.reduced_body import ReducedBody
-
-Array = NDArray[np.float64]
 
 N_MOMENTS = 12
 """Number of moments: s and c (3 each), and J_ij, i <= j (6)."""
@@ -48,7 +46,7 @@ _PLACE = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 _DIAGONAL = [0, 3, 5]
 
 
-def condensed_moments(body: FlexibleBody, fields: Array, amplitudes: Array) -> Array:
+def condensed_moments(body: FlexibleBody, fields: FloatArray, amplitudes: FloatArray) -> FloatArray:
     """Second derivatives of s, c and J_ij (i <= j) with respect to the coordinates, by pairs, (12, r(r+1)/2).
 
         s = Phi_t^T M z,     c = Phi_w0^T M z,
@@ -76,7 +74,7 @@ def condensed_moments(body: FlexibleBody, fields: Array, amplitudes: Array) -> A
     return moments * np.where(on_diagonal, 2.0, 1.0)
 
 
-def condensed_gram(body: ReducedBody) -> Array:
+def condensed_gram(body: ReducedBody) -> FloatArray:
     """The inertia Gram matrix (6 + 4r, 6 + 4r) of a reduced body, with the inertia of z if it is included.
 
     The term `w J w / 2` couples the fields `g_k w_i` and `g_l w_j`.
@@ -91,7 +89,7 @@ def condensed_gram(body: ReducedBody) -> Array:
     return gram
 
 
-def missing_centrifugal_stiffness(body: ReducedBody) -> Array:
+def missing_centrifugal_stiffness(body: ReducedBody) -> FloatArray:
     """Missing centrifugal stiffness relative to the stiffness, per squared angular velocity, (3,), s^2.
 
         max over g of  (- g J_ii g / 2) / (g K g),     zero where the inertia of z is included
@@ -107,12 +105,12 @@ def missing_centrifugal_stiffness(body: ReducedBody) -> Array:
     return np.maximum([np.linalg.eigvalsh(-unit.T @ J @ unit / 2)[-1] for J in about_axes], 0.0)
 
 
-def _moments(body: ReducedBody) -> Array | None:
+def _moments(body: ReducedBody) -> FloatArray | None:
     """Moments of the body's condensed motion; None for a linearised body."""
     return None if body.is_linear or body.condensed is None else body.condensed.moments
 
 
-def _keeps_definite(body: ReducedBody, moments: Array) -> bool:
+def _keeps_definite(body: ReducedBody, moments: FloatArray) -> bool:
     """True in a mean-axis frame with negligible s and c: the mass matrix with J is then definite."""
     if not isinstance(body.frame, MeanAxisFrame):
         return False

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.algebra import ReadOnlyArrays
+from supple.algebra.arrays import FloatArray
 
 __all__ = ["CondensedMotion"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,20 +28,20 @@ class CondensedMotion(ReadOnlyArrays):
     moments : (12, n2)          inertia moments of z; None: no inertia, as in files of format version 1
     """
 
-    fields: Array
-    amplitudes: Array
-    moments: Array | None = None
+    fields: FloatArray
+    amplitudes: FloatArray
+    moments: FloatArray | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
         """Numbers of nodal freedoms and of coordinate pairs."""
         return self.fields.shape[0], self.amplitudes.shape[1]
 
-    def amplitudes_at(self, gamma: ArrayLike) -> Array:
+    def amplitudes_at(self, gamma: ArrayLike) -> FloatArray:
         """Amplitudes (..., m) of the fields at coordinates gamma (..., r)."""
         return 0.5 * self.amplitude_rates(gamma, gamma)
 
-    def amplitude_rates(self, gamma: ArrayLike, rates: ArrayLike) -> Array:
+    def amplitude_rates(self, gamma: ArrayLike, rates: ArrayLike) -> FloatArray:
         """Rates (..., m) of the amplitudes at coordinates and their rates (..., r): bilinear in both."""
         gamma, rates = np.asarray(gamma, dtype=np.float64), np.asarray(rates, dtype=np.float64)
         first, second = np.triu_indices(gamma.shape[-1])

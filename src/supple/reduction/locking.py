@@ -5,9 +5,9 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from supple.algebra.arrays import FloatArray
 from supple.body import FlexibleBody
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import LockingWarning
@@ -15,8 +15,6 @@ from supple.reduction.bases.steady_loads import NAMES
 from supple.reduction.condensation import Condensation
 from supple.reduction.reduction_report import ROTATION, Locking, in_percent
 from supple.reduction.tensors import InternalForceTensors
-
-Array = NDArray[np.float64]
 
 TOLERATED = 0.02
 """Relative deficit of the static response, above which `warn_of_locking` warns."""
@@ -44,7 +42,7 @@ def locking(left_out: Condensation, plain: InternalForceTensors, chosen: Interna
     if not names:
         return Locking((), np.empty(0), np.empty(0))
 
-    def work(tensors: InternalForceTensors) -> Array:
+    def work(tensors: InternalForceTensors) -> FloatArray:
         return np.sum(loads * _static_responses(tensors, loads), axis=1)
 
     whole, of_columns = work(plain.condensed(free)), work(plain)
@@ -72,7 +70,7 @@ def warn_of_locking(name: str, found: Locking, is_condensed: bool) -> None:
     )
 
 
-def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, ...], Array]:
+def _loads(body: FlexibleBody, V: FloatArray, stiffness: FloatArray) -> tuple[tuple[str, ...], FloatArray]:
     """Names (k) and generalised loads (k, r), of one linear energy; none if no load causes rotation."""
     turns = None if body.rotation_operator is None else (body.rotation_operator @ (body.expansion @ V))
     if body.interfaces:
@@ -105,11 +103,11 @@ def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, .
 
 
 @np.errstate(all="ignore")  # a buckling body may overflow before the iteration ends
-def _static_responses(tensors: InternalForceTensors, loads: Array) -> Array:
+def _static_responses(tensors: InternalForceTensors, loads: FloatArray) -> FloatArray:
     """Equilibria (k, r) under loads (k, r), all at once by Newton's method; nan without convergence."""
     factor = linalg.cho_factor(tensors.stiffness)
 
-    def size(forces: Array) -> Array:
+    def size(forces: FloatArray) -> FloatArray:
         return np.sqrt(np.sum(forces * linalg.cho_solve(factor, forces.T).T, axis=1))
 
     responses, alive = np.zeros(loads.shape), np.ones(len(loads), dtype=bool)

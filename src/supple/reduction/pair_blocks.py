@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from supple.algebra.arrays import FloatArray
 from supple.reduction.tensors import number_of_coordinates
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
@@ -40,14 +40,14 @@ class PairBlocks(NamedTuple):
     """(c_b,) for each block: the coordinate l of the pair (l, m) of every column"""
     second: tuple[NDArray[np.int32], ...]
     """(c_b,) for each block: the coordinate m of the pair (l, m) of every column"""
-    matrices: tuple[Array, ...]
+    matrices: tuple[FloatArray, ...]
     """(n_b, c_b) for each block: its entries"""
     position: NDArray[np.int32]
     """(r, r): position of each pair in the concatenated products of all blocks; a pair without a block has
     the position of a zero appended to these products"""
 
 
-def pair_blocks(packed: Array) -> Array | PairBlocks:
+def pair_blocks(packed: FloatArray) -> FloatArray | PairBlocks:
     """Nonzero blocks of a matrix (n2, n2) of packed pairs; the matrix itself if small or mostly nonzero."""
     n2 = len(packed)
     if n2 < _FEWEST_PAIRS:

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.body import Damping
 from supple.errors import ModelError
 from supple.reduction.projection import counted_damping
 from supple.reduction.reduced_body import ReducedBody
 
 __all__ = ["redamped"]
-
-Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-9
 """Largest ratio of the remaining damping, without that of `before`, to the damping of `before` that is
@@ -60,7 +58,7 @@ def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
     )
 
 
-def _mass_beside(body: ReducedBody, held: str | None) -> Array:
+def _mass_beside(body: ReducedBody, held: str | None) -> FloatArray:
     """V^T P^T M P V (r, r) of the motion relative to the interface `held`; the identity if it is None."""
     r = body.r
     if held is None:

@@ -8,14 +8,12 @@ from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.algebra import ReadOnlyArrays
+from supple.algebra.arrays import FloatArray
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
 
 __all__ = ["Locking", "ReductionReport"]
-
-Array = NDArray[np.float64]
 
 ROTATION = 0.1
 """Largest rotation, rad, of the softest response in linear theory, relative to the fixed interface."""
@@ -34,8 +32,8 @@ class Locking(ReadOnlyArrays):
     """
 
     loads: tuple[str, ...]
-    plain: Array
-    remaining: Array
+    plain: FloatArray
+    remaining: FloatArray
 
     @property
     def largest_plain(self) -> float:
@@ -77,8 +75,8 @@ class ReductionReport(ReadOnlyArrays):
     derivatives: tuple[str, ...] = ()
     corrections: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
-    singular_values_kept: Array = field(default_factory=lambda: np.empty(0))
-    singular_values_dropped: Array = field(default_factory=lambda: np.empty(0))
+    singular_values_kept: FloatArray = field(default_factory=lambda: np.empty(0))
+    singular_values_dropped: FloatArray = field(default_factory=lambda: np.empty(0))
     seconds: Mapping[str, float] = field(default_factory=dict)
     certificate: EigenvalueCertificate | None = None
     locking: Locking | None = None
@@ -90,7 +88,7 @@ class ReductionReport(ReadOnlyArrays):
         return ", ".join(counts) + left_out
 
 
-def _largest(shares: Array) -> float:
+def _largest(shares: FloatArray) -> float:
     return float(np.max(np.nan_to_num(shares, nan=0.0), initial=0.0))
 
 

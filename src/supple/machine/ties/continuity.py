@@ -10,13 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.algebra.arrays import FloatArray
 from supple.errors import ModelError
 
 __all__ = ["EveryNode", "MeanMotion"]
-
-FloatArray = NDArray[np.float64]
 
 _COLLINEAR = 1e-6  # relative width of an interface, below which its rotation about its own line is undefined
 

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from supple.algebra.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.mesh import Mesh
 from supple.mesh.outer_faces import FACE_TRIANGLES
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def meeting_nodes(points: FloatArray, nodes: FloatArray, within: float) -> IntArray:

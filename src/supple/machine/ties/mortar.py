@@ -20,14 +20,12 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import KDTree
 
+from supple.algebra.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.mesh import Mesh
 from supple.mesh.outer_faces import outer_triangles
 
 __all__ = ["Mortar"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _INSIDE = 1e-12  # in area coordinates: tolerance for points on an edge of a triangle
 _COVERED = 1e-6  # largest fraction of a face's area that may lack a match on the other side
