@@ -79,12 +79,13 @@ class Condensation:
     @cached_property
     def interface_energy(self) -> FloatArray:
         """Increase (n2, n2) of R if z could move the interfaces; zero if the basis contains their shapes."""
-        return self._held_by_interfaces.T @ self._held_by_interfaces
+        held = self._held[self._columns.shape[1] :]
+        return held.T @ held
 
     def motion(self) -> CondensedMotion:
         """The motion z at the nodes, in fields orthonormal in the strain energy, with its inertia moments."""
         first, second = self._pairs
-        scale = np.sum(self._vectors * (self.body.stiffness @ self._vectors), axis=0) ** -0.5
+        scale = np.sum(self.basis.vectors * (self.body.stiffness @ self.basis.vectors), axis=0) ** -0.5
         unit = scale[first] * scale[second]  # scales the motion of a pair to columns of unit energy
         largest = np.max(unit**2 * np.diag(self._energy_of_all))
         (pivoted_cholesky,) = linalg.get_lapack_funcs(("pstrf",), (self.energy,))
@@ -113,7 +114,7 @@ class Condensation:
         The motion is relative to the frame of the basis. Each pair needs one static solution.
         """
         numbers = np.arange(len(a))
-        moved = np.hstack([self._vectors @ a.T, self._vectors @ b.T])
+        moved = np.hstack([self.basis.vectors @ a.T, self.basis.vectors @ b.T])
         forces = self.body.assembly.strain_pair_forces(moved, numbers, numbers + len(a))
         return 0.5 * frame_projector(self.body, self.basis.frame)(self._outside(forces))
 
@@ -139,10 +140,6 @@ class Condensation:
         held = np.hstack([self._columns, self._interfaces])
         return held @ (held.T @ forces) - self.body.grounded_stiffness.factor.solve(forces)
 
-    @property
-    def _vectors(self) -> FloatArray:
-        return self.basis.vectors
-
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         return np.triu_indices(self.basis.r)
@@ -160,7 +157,7 @@ class Condensation:
         @lru_cache(maxsize=1)
         def between(start: int, stop: int) -> FloatArray:
             pairs = slice(start, stop)
-            return self.body.assembly.strain_pair_forces(self._vectors, first[pairs], second[pairs])
+            return self.body.assembly.strain_pair_forces(self.basis.vectors, first[pairs], second[pairs])
 
         return lambda block: between(block.start, block.stop)
 
@@ -169,7 +166,7 @@ class Condensation:
         first, second = self._pairs
         if len(self._blocks) == 1:
             return self._forces(self._blocks[0])[:, spanning]
-        return self.body.assembly.strain_pair_forces(self._vectors, first[spanning], second[spanning])
+        return self.body.assembly.strain_pair_forces(self.basis.vectors, first[spanning], second[spanning])
 
     @cached_property
     def _energy_of_all(self) -> FloatArray:
@@ -189,14 +186,10 @@ class Condensation:
         shapes = np.hstack([self._columns, self._interfaces])
         return np.hstack([shapes.T @ self._forces(block) for block in self._blocks])
 
-    @property
-    def _held_by_interfaces(self) -> FloatArray:
-        return self._held[self._columns.shape[1] :]
-
     @cached_property
     def _columns(self) -> FloatArray:
         """The basis, K-orthonormal."""
-        return _orthonormalized(self._vectors, self.body.stiffness)
+        return _orthonormalized(self.basis.vectors, self.body.stiffness)
 
     @cached_property
     def _interfaces(self) -> FloatArray:

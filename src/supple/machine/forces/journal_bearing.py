@@ -56,11 +56,8 @@ class JournalBearing(AxialElement):
                         "one for each matrix"
                     )
         speeds = np.asarray(ANY_SPEED if self.speeds is None else self.speeds, dtype=float)
-        if (
-            speeds.ndim != 1
-            or len(speeds) < 2
-            or not (np.isfinite(speeds).all() and (np.diff(speeds) > 0).all())
-        ):
+        is_table = speeds.ndim == 1 and len(speeds) > 1 and np.isfinite(speeds).all()
+        if not (is_table and (np.diff(speeds) > 0).all()):
             raise ModelError(f"{self.label}: speeds must be two or more ascending finite numbers")
         object.__setattr__(self, "speeds", tuple(speeds.tolist()))
         for name in ("stiffness", "damping"):
