@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import singledispatch
 from typing import Any, TypeVar
 
 import jax
@@ -211,18 +212,23 @@ rigid bodies."""
 _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
 
 
-def _arrays(body: BodyForm, length: float) -> dict[str, Any]:
+@singledispatch
+def _arrays(body: Any, length: float) -> dict[str, Any]:
     """Inertia and elasticity of a body in the form of arrays: fields of `BodyGroup`."""
-    if isinstance(body, RigidBody):
-        gram, none = rigid_gram(body), np.zeros((0, 0))
-        elastic = dict.fromkeys(_TENSORS) | {"stiffness": none, "damping": none}
-    else:
-        reduced: Any = body
-        gram = condensed_gram(reduced)
-        elastic = {name: getattr(body, name) for name in ("stiffness", "damping", "cubic", "damping_cubic")}
-        elastic |= {"quartic": reduced.quartic_blocks, "damping_quartic": reduced.damping_quartic_blocks}
-    scale = length * np.sqrt(body.mass)
-    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": scale} | elastic
+    elastic = {name: getattr(body, name) for name in ("stiffness", "damping", "cubic", "damping_cubic")}
+    elastic |= {"quartic": body.quartic_blocks, "damping_quartic": body.damping_quartic_blocks}
+    return _inertia(condensed_gram(body), body.mass, length) | elastic
+
+
+@_arrays.register
+def _(body: RigidBody, length: float) -> dict[str, Any]:
+    none = np.zeros((0, 0))
+    elastic = dict.fromkeys(_TENSORS) | {"stiffness": none, "damping": none}
+    return _inertia(rigid_gram(body), body.mass, length) | elastic
+
+
+def _inertia(gram: np.ndarray, mass: float, length: float) -> dict[str, Any]:
+    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": length * np.sqrt(mass)}
 
 
 def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[BodyGroup, ...]:

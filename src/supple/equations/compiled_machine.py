@@ -56,10 +56,7 @@ class CompiledMachine:
         """Positions of each body's velocities in vectors (n,)."""
         return self.model.slices
 
-    @property
-    def joint_slices(self) -> tuple[slice, ...]:
-        """Equal to `slices`: joints use the coordinates directly."""
-        return self.model.slices
+    joint_slices = slices  # joints use the coordinates directly
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
         """Diagonal blocks (nb, 6, 6) of the mass matrix, for the velocities of the frames."""

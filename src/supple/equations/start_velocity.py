@@ -166,20 +166,12 @@ def change_by_levels(effects: Sequence[np.ndarray], wanted: np.ndarray) -> list[
     found: list[np.ndarray] = []
     for level in reversed(range(len(effects))):
         own, before = effects[level], np.hstack([np.zeros((len(wanted), 0)), *effects[:level]])
-        spanned = _range(before)
+        spanned = scipy.linalg.orth(before, rcond=_RANK)
         alone = own - spanned @ (spanned.T @ own)
         rest = wanted - spanned @ (spanned.T @ wanted)
         found.append(_least_squares(alone, rest, own))
         wanted = wanted - own @ found[-1]
     return found[::-1]
-
-
-def _range(matrix: np.ndarray) -> np.ndarray:
-    """Orthonormal columns that span those of a matrix."""
-    if not matrix.size:
-        return np.zeros((len(matrix), 0))
-    left, sizes, _ = np.linalg.svd(matrix, full_matrices=False)
-    return left[:, sizes > _RANK * sizes[0]]
 
 
 def _least_squares(alone: np.ndarray, rest: np.ndarray, own: np.ndarray) -> np.ndarray:

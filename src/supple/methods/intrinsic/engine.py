@@ -15,13 +15,11 @@ from supple.integrate import (
     Leg,
     ResidualRungeKutta4,
     Run,
-    RungeKutta4,
     Solution,
     Statistics,
     leg_size,
 )
 from supple.machine import System
-from supple.methods.intrinsic.full_leg import full_leg, n_good
 from supple.methods.intrinsic.joined_engine import ITERATED, JoinedEngine
 from supple.methods.intrinsic.line_march import (
     LineMarchState,
@@ -29,6 +27,8 @@ from supple.methods.intrinsic.line_march import (
     Stepping,
     compiled_march,
     first_march_state,
+    full_leg,
+    n_good,
 )
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_system import LineSystem
@@ -44,16 +44,6 @@ def intrinsic_engine(system: System, run: Run) -> IntrinsicEngine | JoinedEngine
     return JoinedEngine(system, run) if is_joined(system) else IntrinsicEngine(system, run)
 
 
-def line_rule(run: Run) -> LineRule:
-    """The step rule of a run; ModelError for a rule that intrinsic bodies do not support."""
-    if isinstance(run.method, RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha):
-        return run.method
-    raise ModelError(
-        f"intrinsic bodies do not support {type(run.method).__name__}: use RungeKutta4(), "
-        "ResidualRungeKutta4(n_kept) or GeneralizedAlpha(rho_inf), which conserves energy with rho_inf = 1"
-    )
-
-
 _NAMES = ("q1", "q2", "quaternion", "position")
 """Parts of a line's state that a resumed run needs."""
 
@@ -64,7 +54,13 @@ class IntrinsicEngine:
     least_leg = 1
 
     def __init__(self, system: System, run: Run) -> None:
-        self.rule = line_rule(run)
+        if not isinstance(run.method, LineRule):
+            raise ModelError(
+                f"intrinsic bodies do not support {type(run.method).__name__}: use RungeKutta4(), "
+                "ResidualRungeKutta4(n_kept) or GeneralizedAlpha(rho_inf), which conserves energy with "
+                "rho_inf = 1"
+            )
+        self.rule: LineRule = run.method
         self._run = run = with_chosen_step(system, run)
         if not isinstance(run.step_control, FixedStep):
             raise ModelError(

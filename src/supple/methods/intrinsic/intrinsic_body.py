@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Literal
+from typing import ClassVar, Literal
 
 import jax
 import jax.numpy as jnp
@@ -89,6 +89,13 @@ class IntrinsicBody(FormDefaults, Summarized):
     complete: IntrinsicBody | None = field(default=None, repr=False)
     supported: IntrinsicBody | None = field(default=None, repr=False)
     lumping_error: float | None = None
+    kind: ClassVar[Literal["intrinsic"]] = "intrinsic"
+    is_linear: ClassVar[bool] = False
+    """Its equations are quadratic."""
+    has_linear_strains: ClassVar[bool] = True
+    """Stress follows from the static shapes under its section loads."""
+    rotation_limit: ClassVar[float] = np.inf
+    """Rotations are not limited."""
 
     def summary(self) -> Summary:
         """Stations, modes, mass and interfaces."""
@@ -107,11 +114,6 @@ class IntrinsicBody(FormDefaults, Summarized):
     def name(self) -> str:
         """Name of the body."""
         return self.line.name
-
-    @property
-    def kind(self) -> Literal["intrinsic"]:
-        """The literal "intrinsic"."""
-        return "intrinsic"
 
     @property
     def line(self) -> CondensedLine:
@@ -169,11 +171,6 @@ class IntrinsicBody(FormDefaults, Summarized):
     def nodal_basis(self) -> Array:
         """(N d, e) linear displacements of the nodal freedoms by elastic amplitude."""
         return self.expansion.modes.reshape(-1, self.n_coordinates)
-
-    @property
-    def has_linear_strains(self) -> bool:
-        """True: stress follows from the static shapes under its section loads."""
-        return True
 
     def nodal_fields(
         self, coordinates: Array, freedoms: NDArray[np.intp] | slice = slice(None)
@@ -337,16 +334,6 @@ class IntrinsicBody(FormDefaults, Summarized):
         """Strains and curvatures (t, n - 1, 6) of the segments, along material axes."""
         q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
         return np.asarray(jax.vmap(lambda q: section_strains(self.model, q))(jnp.asarray(q2)))
-
-    @property
-    def is_linear(self) -> bool:
-        """False: its equations are quadratic."""
-        return False
-
-    @property
-    def rotation_limit(self) -> float:
-        """Infinite: rotations are not limited."""
-        return np.inf
 
     def stated_frequencies(self) -> tuple[str, Array]:
         """Words for the support of the body before release, and its lowest six frequencies on it.

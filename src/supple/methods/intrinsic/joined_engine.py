@@ -21,12 +21,12 @@ from supple.equations.sampling import joined_legs, march_sampled, sampling_of
 from supple.errors import ModelError
 from supple.integrate import GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
 from supple.machine import At, System
-from supple.methods.intrinsic.full_leg import full_leg, n_good
 from supple.methods.intrinsic.implicit_step import first_order_coefficients
 from supple.methods.intrinsic.joined_equations import JoinedInstant, JoinedRates, all_velocities
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine
 from supple.methods.intrinsic.joined_start import instant_rates, joined_start
 from supple.methods.intrinsic.joined_step import JoinedState, JoinedStepping, joined_step
+from supple.methods.intrinsic.line_march import full_leg, n_good
 from supple.methods.intrinsic.machine_of_lines import line_motion
 from supple.methods.intrinsic.stable_step import with_chosen_step
 from supple.programs.program_cache import CachedProgram
@@ -75,7 +75,9 @@ class JoinedEngine:
         self._sampling = sampling_of(self._machine.seen, run)
         self._length = leg_size(len(run.times)) if self._sampling is None else 1
         # The length of the whole run selects the program, so that a resumed run is equal in every digit.
-        work = (run.times[-1] - run.start) / self.step * _unknowns(self._machine)
+        n_lines = ravel_pytree(self._machine.states)[0].size
+        n_unknowns = n_lines + 2 * (self._arrays.n_floating + len(self._arrays.model.active))
+        work = (run.times[-1] - run.start) / self.step * n_unknowns
         self._program = _march if work > QUICK else _quick_march
 
     @property
@@ -214,12 +216,6 @@ def joined_solution(
     }
     known, names = {**seen.bodies, **lines}, [placed.body.name for placed in machine.system.bodies]
     return replace(seen, bodies={name: known[name] for name in names})
-
-
-def _unknowns(machine: JoinedMachine) -> int:
-    """Number of unknowns of a step."""
-    arrays = machine.arrays
-    return ravel_pytree(machine.states)[0].size + 2 * (arrays.n_floating + len(arrays.model.active))
 
 
 def _march_joined(

@@ -95,10 +95,8 @@ class LineInFrame:
         r = self.placed.body.n_coordinates
         rates = [_amplitudes(self.arrays, state) for state in states]
         first, second = (np.array([each[number] for each in rates]) for number in range(2))
-        velocity, acceleration = (
-            np.array([part(state) for state in states]).reshape(-1, 6 + r)
-            for part in (lambda state: state.velocity, lambda state: state.acceleration)
-        )
+        velocity = np.array([state.velocity for state in states]).reshape(-1, 6 + r)
+        acceleration = np.array([state.acceleration for state in states]).reshape(-1, 6 + r)
         return IntrinsicMotion(
             position=np.array([state.origin for state in states]),
             rotation=np.array([state.rotation for state in states]),

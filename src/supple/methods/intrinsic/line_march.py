@@ -33,7 +33,9 @@ __all__ = [
     "Stepping",
     "compiled_march",
     "first_march_state",
+    "full_leg",
     "march_lines",
+    "n_good",
     "runge_kutta_step",
     "slaved",
 ]
@@ -137,6 +139,26 @@ def _step_of(system: LineSystem, stepping: Stepping, tolerance: jax.Array | floa
             return lambda now, kept, h: (_residual_step(system, rule, now, h), kept)
         case GeneralizedAlpha():
             return partial(_implicit, system, rule, tolerance, stepping.max_iterations)
+
+
+def full_leg(history: S, length: int) -> S:
+    """A history (t, ...), or a tree of histories, padded to `length` instants by copies of the last one.
+
+    A program would be compiled again for legs of another length.
+    """
+
+    def filled(leaf: np.ndarray) -> np.ndarray:
+        known = np.asarray(leaf)
+        more = max(length - len(known), 0)
+        return np.pad(known, ((0, more), *((0, 0),) * (known.ndim - 1)), mode="edge")
+
+    return jax.tree.map(filled, history)
+
+
+def n_good(history: object, converged: np.ndarray) -> int:
+    """Number of instants (t,) of a tree of histories before the first not finite, or not converged."""
+    sizes = [np.abs(leaf).reshape(len(leaf), -1).sum(axis=1) for leaf in jax.tree.leaves(history)]
+    return int(np.argmin(np.append(np.isfinite(np.sum(sizes, axis=0)) & converged, False)))
 
 
 def runge_kutta_step(rates: Callable[[AnyArray, S], S], time: AnyArray, state: S, h: AnyArray) -> S:

@@ -17,9 +17,9 @@ from supple.equations.places import AnyArray
 from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import Placed, System
-from supple.methods.intrinsic.full_leg import full_leg
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.methods.intrinsic.line_march import full_leg
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import LineSystem, RootDrive, States, reactions
 from supple.methods.intrinsic.station_loads import machine_loads

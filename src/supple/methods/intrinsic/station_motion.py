@@ -38,20 +38,8 @@ class StationMotion(NamedTuple):
     strain_accelerations: AnyArray
 
 
-class _Now(NamedTuple):
-    """A line at an instant: q_1, q_2, its root, the drive's part of the root's twist, and rates."""
-
-    q1: AnyArray
-    q2: AnyArray
-    rotation: AnyArray
-    position: AnyArray
-    velocity: AnyArray
-    acceleration: AnyArray
-    angular_velocity: AnyArray
-    angular_acceleration: AnyArray
-    driven: AnyArray
-    q1_rate: AnyArray
-    driven_rate: AnyArray
+_Derivatives = tuple[AnyArray, ...]
+"""A quantity and its time derivatives."""
 
 
 def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMotion) -> StationMotion:
@@ -69,21 +57,13 @@ def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMo
         motion = replace(motion, **{name: np.zeros_like(getattr(motion, name)) for name in names})
     A, w, dw = motion.rotation, motion.angular_velocity, motion.angular_acceleration
     arm, arm_rate = np.einsum("tij,j->ti", A, root), np.cross(w, root)
-    driven, driven_rate = _driven(model, root, motion)
-    now = _Now(
-        motion.rates,
-        q2,
-        A,
+    root_motion = (
         motion.position + arm,
         motion.velocity + np.einsum("tij,tj->ti", A, arm_rate),
         motion.acceleration + np.einsum("tij,tj->ti", A, np.cross(dw, root) + np.cross(w, arm_rate)),
-        w,
-        dw,
-        driven,
-        motion.accelerations,
-        driven_rate,
     )
-    found: StationMotion = jax.device_get(_motion(model, now))
+    amplitudes, driven = (motion.rates, motion.accelerations), _driven(model, root, motion)
+    found: StationMotion = jax.device_get(_motion(model, q2, amplitudes, root_motion, (A, w, dw), driven))
     if unknown:
         none = jax.tree.map(lambda each: np.full_like(each, np.nan), found.accelerations)
         found = found._replace(accelerations=none)
@@ -110,25 +90,39 @@ def _driven(model: LineModel, root: Array, motion: IntrinsicMotion) -> tuple[Arr
     return np.hstack([velocity, w]) - motion.rates @ own, rate - motion.accelerations @ own
 
 
-def _motion_over_time(model: LineModel, over_time: _Now) -> StationMotion:
-    def at(now: _Now) -> StationMotion:
+def _motion_over_time(
+    model: LineModel,
+    q2: AnyArray,
+    amplitudes: _Derivatives,
+    root: _Derivatives,
+    rotation: _Derivatives,
+    driven: _Derivatives,
+) -> StationMotion:
+    """Stations over time, from q_2; q_1; position and rotation of the root; twist of its drive."""
+
+    def at(
+        q2: AnyArray,
+        amplitudes: _Derivatives,
+        root: _Derivatives,
+        rotation: _Derivatives,
+        driven: _Derivatives,
+    ) -> StationMotion:
+        (q1, q1_rate), (twist, twist_rate) = amplitudes, driven
+        (position, velocity, acceleration), (turned, w, dw) = root, rotation
+
         def strain_rate(q1: AnyArray, q2: AnyArray, driven: AnyArray) -> AnyArray:
             x1 = station_velocities(model, q1) + (model.twists @ driven).reshape(-1, 6)
             return force_rates(model, x1, q1, section_strains(model, q2))
 
-        here = now.q1, now.q2, now.driven
+        here = q1, q2, twist
         first = strain_rate(*here)
-        second = jax.jvp(strain_rate, here, (now.q1_rate, first, now.driven_rate))[1]
+        second = jax.jvp(strain_rate, here, (q1_rate, first, twist_rate))[1]
 
         def places(s: AnyArray) -> StationPlaces:
             """Positions to second order in the time s from now."""
-            turn = s * now.angular_velocity + s**2 / 2 * now.angular_acceleration
-            return station_places(
-                model,
-                now.q2 + s * first + s**2 / 2 * second,
-                now.rotation @ rotation_exp(turn),
-                now.position + s * now.velocity + s**2 / 2 * now.acceleration,
-            )
+            strains = q2 + s * first + s**2 / 2 * second
+            place = position + s * velocity + s**2 / 2 * acceleration
+            return station_places(model, strains, turned @ rotation_exp(s * w + s**2 / 2 * dw), place)
 
         def rates(s: AnyArray) -> tuple[StationPlaces, StationPlaces]:
             return jax.jvp(places, (s,), (jnp.ones(()),))
@@ -136,7 +130,7 @@ def _motion_over_time(model: LineModel, over_time: _Now) -> StationMotion:
         (where, velocities), (_, accelerations) = jax.jvp(rates, (jnp.zeros(()),), (jnp.ones(()),))
         return StationMotion(where, velocities, accelerations, first, second)
 
-    return jax.vmap(at)(over_time)
+    return jax.vmap(at)(q2, amplitudes, root, rotation, driven)
 
 
 _motion = CachedProgram(_motion_over_time, STARTING)
