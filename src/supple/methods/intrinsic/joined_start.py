@@ -25,6 +25,7 @@ from supple.equations.joint_closure import check_joints_finite
 from supple.equations.joint_force import constraints
 from supple.equations.start_change import StartChange, StartEnergies
 from supple.equations.start_velocity import given_parts, has_motion, impact_fit, levels_of_body, rigid_fit
+from supple.equations.starting_machine import CONVERGED, MOST
 from supple.errors import ModelError
 from supple.machine import System
 from supple.methods.intrinsic.intrinsic_body import body_of
@@ -51,8 +52,6 @@ __all__ = [
 
 OPEN = 1e-6
 """Largest residual of a joint as placed, a length relative to the machine's size or an angle in rad."""
-MOST_REACTIONS, CONVERGED = 100, 1e-12
-"""Most iterations for joint forces with friction, and relative change of the solution at which they end."""
 
 
 def joined_start(machine: JoinedMachine, time: float) -> tuple[JoinedArrays, JoinedInstant, StartChange]:
@@ -242,7 +241,7 @@ def instant_rates(
         M a + J^T lambda = -b,     J a = -c
 
     At a = 0, b are the residuals of the equations of motion and c the second time derivatives of g. The
-    solution is iterated where friction in b depends on lambda.
+    solution is iterated where friction in b depends on lambda, at most `MOST` times.
     """
     m, n = len(arrays.model.active), arrays.n_floating
     lines = tuple(
@@ -283,7 +282,7 @@ def instant_rates(
 
             def goes_on(carry: tuple[jax.Array, jax.Array, int | jax.Array]) -> jax.Array:
                 known, change, count = carry
-                return (count < MOST_REACTIONS) & (change > CONVERGED * jnp.max(jnp.abs(known)))
+                return (count < MOST) & (change > CONVERGED * jnp.max(jnp.abs(known)))
 
             solved, *_ = jax.lax.while_loop(goes_on, again, (solved, jnp.asarray(jnp.inf), 0))
         found, multipliers = solved[: len(flat)], solved[len(flat) :]

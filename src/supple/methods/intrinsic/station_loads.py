@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
@@ -63,11 +62,9 @@ class StationLoad(Protocol):
     """A load of a machine of lines."""
 
     @property
-    @abstractmethod
     def needs_places(self) -> bool:
         """Whether the load depends on the positions of stations."""
 
-    @abstractmethod
     def wrenches(self, motions: Sequence[MovingStations], time: AnyArray) -> Iterator[tuple[int, jax.Array]]:
         """Number of a line and forces and moments (n, 6) on its stations, along their own axes."""
 
