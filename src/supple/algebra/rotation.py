@@ -118,13 +118,7 @@ def euler_parameters(rotation: jax.Array) -> jax.Array:
     trace = jnp.trace(rotation)
     diagonal = jnp.diagonal(rotation)
     squared = jnp.concatenate([(1 + trace)[None], 1 + 2 * diagonal - trace])
-    off = jnp.stack(
-        [
-            rotation[2, 1] - rotation[1, 2],
-            rotation[0, 2] - rotation[2, 0],
-            rotation[1, 0] - rotation[0, 1],
-        ]
-    )
+    off = 2 * unskew(rotation)
     sums = rotation + rotation.T
     rows = jnp.stack(
         [

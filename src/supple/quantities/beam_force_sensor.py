@@ -10,6 +10,7 @@ import numpy as np
 
 from supple.arguments import check_fields
 from supple.arrays import Array
+from supple.body import BodyForm
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, beam_force_recovery
 from supple.integrate import FramedMotion, Solution
@@ -48,7 +49,7 @@ class BeamForceSensor:
 
     def channels(self, system: System) -> Sequence[Channel]:
         """Three forces and three moments."""
-        self._check(system)
+        self._beam(system)
         axes = f"section of beam {self.beam} of {self.body}"
         kinds = (QuantityKind.FORCE, QuantityKind.MOMENT)
         names = (("N", "Vy", "Vz"), ("T", "My", "Mz"))
@@ -59,30 +60,25 @@ class BeamForceSensor:
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 6)."""
-        self._check(system)
-        cell = self._cell()
+        form, cell = self._beam(system)
         node = self.model.mesh.cells[CellType.LINE2][cell, self.end - 1]
         forces = NodalTensor(partial(beam_force_recovery, cell=cell), partial(np.linalg.norm, axis=-1))
-        form = body_named(system, self.body, self.name)
         coordinates = solution.motion(self.body, FramedMotion).coordinates
         found = np.zeros((len(coordinates), 6))
         for times, _, field in tensor_blocks(forces, form, self.model, coordinates, [node]):
             found[times] = field[:, 0, 0]
         return found
 
-    def _check(self, system: System) -> None:
+    def _beam(self, system: System) -> tuple[BodyForm, int]:
+        """The body, and the number of the cell at the sensor's end; an element may have several cells."""
         form = body_named(system, self.body, self.name)
         if not (form.n_coordinates and form.has_frame):
             raise ModelError(
                 f"sensor '{self.name}': body '{self.body}' is {form.kind}: its beams have no force"
             )
-        self._cell()
-
-    def _cell(self) -> int:
-        """Number of the cell at the sensor's end of the beam, as an element may have several cells."""
         ids = self.model.mesh.cell_ids.get(CellType.LINE2, np.empty(0, dtype=np.int64))
         own = np.flatnonzero(ids == self.beam)
         if not own.size:
             known = f"ids {ids.min()} to {ids.max()}" if ids.size else "none"
             raise ModelError(f"sensor '{self.name}': there is no beam {self.beam}; the body has {known}")
-        return int(own[0] if self.end == 1 else own[-1])
+        return form, int(own[0] if self.end == 1 else own[-1])

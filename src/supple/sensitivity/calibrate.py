@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -16,6 +17,7 @@ from supple.arguments import checked_arguments
 from supple.arrays import Array
 from supple.errors import ConvergenceError, IdentifiabilityWarning, ModelError, SuppleWarning, did_you_mean
 from supple.integrate import Run, Solution
+from supple.machine import System
 from supple.progress import with_progress_bar
 from supple.sensitivity.calibration import Calibration, uncertainty, without_undetermined
 from supple.sensitivity.derivative_reader import read
@@ -164,24 +166,34 @@ class _Fit:
     def _named(self, values: Array) -> dict[str, float]:
         return {name: float(value) for name, value in zip(self.sizes, values, strict=True)}
 
-    def _stacked(self, solution: Solution, values: Mapping[str, Array], columns: Sequence[int]) -> Array:
-        times = np.asarray(solution.times)
-        pairs = zip(self.measurements, columns, strict=True)
-        return np.concatenate([each.residuals(times, values, column) for each, column in pairs])
+    @cached_property
+    def _measured(self) -> Array:
+        """Measured values (n,), divided by the deviations."""
+        return np.concatenate([own.weights * np.asarray(own.values)[own.known] for own in self.measurements])
+
+    def _columns(self, system: System) -> list[int]:
+        return [each.column(system, self.observables) for each in self.measurements]
+
+    def _computed(self, solution: Solution, values: Mapping[str, Array], columns: Sequence[int]) -> Array:
+        """Values (n,) of observables, or their derivatives, at the measured times, over the deviations."""
+        times, pairs = np.asarray(solution.times), zip(self.measurements, columns, strict=True)
+        return np.concatenate(
+            [own.weights * own.at_times(times, values[own.observable], column) for own, column in pairs]
+        )
 
     def residuals(self, values: Array) -> Array:
         """Weighted residuals (n,); inf if the run fails, so that the trust region shrinks."""
         self.runs += 1
         system = self.build(self._named(values))
-        columns = [each.column(system, self.observables) for each in self.measurements]
+        columns = self._columns(system)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuppleWarning)  # trial values only
             try:
                 solution = watched_run(system, self.run)
             except ConvergenceError as error:
                 self.broken = str(error)
-                return np.full(sum(int(each.known.sum()) for each in self.measurements), np.inf)
-        return self._stacked(solution, read(self.observables, system, solution), columns)
+                return np.full(len(self._measured), np.inf)
+        return self._computed(solution, read(self.observables, system, solution), columns) - self._measured
 
     def jacobian(self, values: Array) -> Array:
         """Jacobian (n, p) of the weighted residuals."""
@@ -200,19 +212,12 @@ class _Fit:
             for name, size in self.sizes.items()
         }
         found = sensitivities(self.build, named, self.run, self.observables, sizes=sizes)
-        system = self.build(named)
-        columns = [each.column(system, self.observables) for each in self.measurements]
-        times = np.asarray(found.solution.times)
+        columns = self._columns(self.build(named))
         by_parameter = [
-            np.concatenate(
-                [
-                    each.weights * each.at_times(times, found.derivatives[each.observable][name], column)
-                    for each, column in zip(self.measurements, columns, strict=True)
-                ]
-            )
+            self._computed(found.solution, {of: own[name] for of, own in found.derivatives.items()}, columns)
             for name in self.sizes
         ]
-        residuals = self._stacked(found.solution, found.values, columns)
+        residuals = self._computed(found.solution, found.values, columns) - self._measured
         self._last = values.copy(), (np.column_stack(by_parameter), residuals, found.solution)
         return self._last[1]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,15 +80,6 @@ class Measurement:
                 f"{', '.join(names)}"
             )
         return names.index(self.channel)
-
-    def residuals(self, times: Array, values: Mapping[str, Array], column: int) -> Array:
-        """Residuals (k',): computed minus measured values, divided by the deviations.
-
-        times : (t,) output times of the run
-        values : computed values (t, c), by name of the observable
-        """
-        computed = self.at_times(times, values[self.observable], column)
-        return self.weights * (computed - np.asarray(self.values)[self.known])
 
     def at_times(self, times: Array, values: Array, column: int) -> Array:
         """Computed values (k',), interpolated at the times of the k' finite measured values.

@@ -24,10 +24,7 @@ from supple.simulation.full_rest import (
     rest_errors,
 )
 from supple.simulation.rest_stability import is_stable
-from supple.simulation.resting_state import (
-    placed_at_rest,
-    resting_state,
-)
+from supple.simulation.resting_state import placed_at_rest, resting_state
 from supple.simulation.turned_machine import warn_of_varying_loads
 from supple.summary import Summarized, Summary
 

@@ -22,12 +22,7 @@ import numpy as np
 from supple.algebra import read_only
 from supple.body import FullBody, MeanAxisFrame, frame_projector
 from supple.equations.machine_model import Model
-from supple.equations.static_search import (
-    StaticSearch,
-    StaticState,
-    moved_state,
-    search_equilibrium,
-)
+from supple.equations.static_search import StaticSearch, StaticState, moved_state, search_equilibrium
 from supple.errors import AccuracyError, ConvergenceError, ModelError
 from supple.machine import System
 from supple.methods.floating.full.statics import FullStatics, full_statics

@@ -11,12 +11,7 @@ import numpy as np
 from supple.equations.build_model import system_length
 from supple.equations.configuration import Configuration
 from supple.equations.control_force import states_by_controller
-from supple.equations.static_search import (
-    Equations,
-    StaticSearch,
-    StaticState,
-    search_equilibrium,
-)
+from supple.equations.static_search import Equations, StaticSearch, StaticState, search_equilibrium
 from supple.equations.steady_motion import SteadyRotation
 from supple.equations.stops import laws_of
 from supple.errors import ConvergenceError, ModelError

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -60,6 +59,10 @@ def watched_run(
         if run.validity.strict:
             report_step_length(leg.statistics, run)
 
+    def report_limits() -> None:
+        for own, found in zip(watches, peaks, strict=True):
+            own.report(found)
+
     engine = engine_for(system, run)
     try:
         solution = march_through(
@@ -67,18 +70,13 @@ def watched_run(
         )
     except ConvergenceError:
         if any(peaks):  # the limits exceeded may be the cause of the early end
-            _report(watches, peaks)
+            report_limits()
         raise
     _report_rejected_steps(solution.statistics, run.step_control)
-    _report(watches, peaks)
+    report_limits()
     report_half_revolutions(system, run, solution)
     report_resolution(system, run, solution)
     return replace(report_truncation(system, run, solution), columns=measured_columns(system))
-
-
-def _report(watches: Sequence[Any], peaks: Sequence[Any]) -> None:
-    for own, found in zip(watches, peaks, strict=True):
-        own.report(found)
 
 
 def report_resolution(system: System, run: Run, solution: Solution) -> None:
