@@ -26,12 +26,21 @@ import jax
 import numpy as np
 from jax.core import Tracer
 from jax.experimental import serialize_executable
+from jax.stages import Compiled
+from jax.tree_util import PyTreeDef
 
 from supple.algebra.jax_settings import count_program, on_program_release
 from supple.programs.program_digest import digest_of_sources, program_digest, text_digest
 from supple.programs.program_worker import program_of_file
 
 __all__ = ["CachedProgram"]
+
+Arguments = tuple[Any, ...]
+"""Pytrees of arrays"""
+LeafType = tuple[tuple[int, ...], str, bool]
+"""Shape and type of an array or number, and whether the type is weak (other operands determine it)"""
+Shapes = tuple[LeafType, ...]
+Signature = tuple[PyTreeDef, Shapes]
 
 _MOST_AT_HAND = 16
 """Largest number of programs of one function in memory; the least recently used is released first."""
@@ -49,7 +58,7 @@ class CachedProgram:
     ) -> None:
         self.function = function
         self._options = dict(options)
-        self._at_hand: OrderedDict[Any, Any] = OrderedDict()
+        self._at_hand: OrderedDict[Signature, Compiled] = OrderedDict()
         on_program_release(self._at_hand.clear)
 
     def __call__(self, *arguments: Any) -> Any:
@@ -58,7 +67,7 @@ class CachedProgram:
             return self.function(*arguments)
         return self.compiled(*arguments)(*arguments)
 
-    def compiled(self, *arguments: Any) -> Any:
+    def compiled(self, *arguments: Any) -> Compiled:
         """The compiled program for arguments of the same structure.
 
         In one process, functions in the structure are compared by identity: a later change of the values that
@@ -79,12 +88,12 @@ class CachedProgram:
         return None if known is None else _named_by(known)
 
     @staticmethod
-    def signature(*arguments: Any) -> tuple[Any, Any]:
+    def signature(*arguments: Any) -> Signature:
         """Structure of the arguments, and shapes and types of their arrays: the key of a program."""
         leaves, structure = jax.tree.flatten(arguments)
         return structure, tuple(map(_type_of, leaves))
 
-    def _found_or_built(self, arguments: Any, structure: Any, shapes: Any) -> Any:
+    def _found_or_built(self, arguments: Arguments, structure: PyTreeDef, shapes: Shapes) -> Compiled:
         known = self._known(structure, shapes)
         if known is None:
             return jax.jit(self.function).lower(*arguments).compile(compiler_options=self._options)
@@ -93,7 +102,7 @@ class CachedProgram:
         found = _read(file, taken) if file else None
         return found or self._by_text(arguments, shapes, known, taken)
 
-    def _known(self, structure: Any, shapes: Any) -> Path | None:
+    def _known(self, structure: PyTreeDef, shapes: Shapes) -> Path | None:
         """File that maps this structure to the text of its program; None without a cache."""
         folder = _folder()
         digest = program_digest(self.function, self._options, structure, shapes) if folder else None
@@ -101,7 +110,7 @@ class CachedProgram:
             return None
         return folder / "by-structure" / digest_of_sources()[:16] / digest
 
-    def _by_text(self, arguments: Any, shapes: Any, known: Path, taken: Any) -> Any:
+    def _by_text(self, arguments: Arguments, shapes: Shapes, known: Path, taken: PyTreeDef) -> Compiled:
         """The program found by its text, or compiled; its structure is then stored as a key."""
 
         def kept(*arguments: Any) -> Any:
@@ -125,8 +134,7 @@ class CachedProgram:
         return program
 
 
-def _type_of(leaf: Any) -> tuple[Any, ...]:
-    """Shape and type of an array or number, and whether the type is weak (other operands determine it)."""
+def _type_of(leaf: Any) -> LeafType:
     if isinstance(leaf, np.ndarray):  # ten times faster than JAX's own description
         return leaf.shape, _name(leaf.dtype), False
     own = jax.typeof(leaf)
@@ -217,7 +225,7 @@ def _not_kept_by_jax() -> Iterator[None]:
         jax.config.update(name, before)
 
 
-def _read(file: Path, taken: Any) -> Any:
+def _read(file: Path, taken: PyTreeDef) -> Compiled | None:
     """A cached program for arguments of a structure, or None."""
     if not _exists(file):
         return None
@@ -229,7 +237,7 @@ def _read(file: Path, taken: Any) -> Any:
     return found
 
 
-def _write(file: Path, program: Any) -> None:
+def _write(file: Path, program: Compiled) -> None:
     """Write a program to the cache, if possible."""
     try:
         content, _, of_result = serialize_executable.serialize(program)

@@ -23,6 +23,7 @@ from typing import Any
 
 import jax
 import numpy as np
+from jax.tree_util import PyTreeDef
 
 from supple.algebra.jax_settings import this_machine
 from supple.value_content import UserFunction
@@ -43,7 +44,7 @@ class _StrangerError(Exception):
 
 
 def program_digest(
-    function: Callable[..., Any], options: Mapping[str, Any], structure: Any, shapes: Any
+    function: Callable[..., Any], options: Mapping[str, Any], structure: PyTreeDef, shapes: tuple[object, ...]
 ) -> str | None:
     """Digest of the program of a function for arguments of a structure (a PyTreeDef); None where it has none.
 
@@ -61,7 +62,7 @@ def text_digest(text: str, options: Mapping[str, Any]) -> str:
     return _digest((text, sorted(options.items())))
 
 
-def _digest(content: Any) -> str:
+def _digest(content: object) -> str:
     environment = [os.environ.get(name) for name in ("XLA_FLAGS", "NPROC")]
     return hashlib.sha256(repr((content, environment, this_machine())).encode()).hexdigest()
 
@@ -80,7 +81,7 @@ def digest_of_sources() -> str:
     return digest.hexdigest()
 
 
-def _of_structure(structure: Any) -> Any:
+def _of_structure(structure: PyTreeDef) -> object:
     node = structure.node_data()
     if node is None:
         return "leaf"
@@ -88,7 +89,7 @@ def _of_structure(structure: Any) -> Any:
     return _described(kind), _described(fixed), tuple(map(_of_structure, structure.children()))
 
 
-def _described(value: Any) -> Any:
+def _described(value: Any) -> object:
     """A fixed value in a form that is equal in every process."""
     if isinstance(value, UserFunction):
         value = value.function
@@ -106,14 +107,14 @@ def _described(value: Any) -> Any:
             _described(value.args),
             _described([*value.keywords.items()]),
         )
-    if isinstance(value, (type, FunctionType, _Compiled, jax.tree_util.PyTreeDef)):
-        return _of_structure(value) if isinstance(value, jax.tree_util.PyTreeDef) else _found(value)
+    if isinstance(value, (type, FunctionType, _Compiled, PyTreeDef)):
+        return _of_structure(value) if isinstance(value, PyTreeDef) else _found(value)
     if is_dataclass(value):
         return _name(type(value)), tuple(_described(getattr(value, each.name)) for each in fields(value))
     raise _StrangerError
 
 
-def _found(value: Any) -> Any:
+def _found(value: Any) -> object:
     """The name of a class or a function; for a user's or a locally created function, its content."""
     try:
         return _name(value)
@@ -151,7 +152,7 @@ _OUTSIDE = ("IMPORT", "STORE_GLOBAL", "DELETE_GLOBAL", "LOAD_NAME", "LOAD_BUILD_
 """Instructions that read from or write to places that are not examined here."""
 
 
-def _content(function: FunctionType) -> Any:
+def _content(function: FunctionType) -> object:
     """Content of a function: its code, and the values that it takes from closure, defaults and module."""
     if function.__dict__:
         raise _StrangerError
@@ -163,7 +164,7 @@ def _content(function: FunctionType) -> Any:
     return sys.version, _code(function.__code__, function.__globals__), closure, defaults
 
 
-def _code(code: CodeType, around: Mapping[str, Any]) -> Any:
+def _code(code: CodeType, around: Mapping[str, Any]) -> object:
     """Instructions and constants, also of inner functions, with the values they take from outside."""
     found = []
     steps = [step for step in dis.get_instructions(code) if step.opname != "EXTENDED_ARG"]
@@ -179,7 +180,7 @@ def _code(code: CodeType, around: Mapping[str, Any]) -> Any:
     return code.co_code, code.co_names, code.co_exceptiontable, signature, constants, found
 
 
-def _taken(name: str, following: Any, around: Mapping[str, Any]) -> Any:
+def _taken(name: str, following: dis.Instruction | None, around: Mapping[str, Any]) -> object:
     """A global of a function; for a module, the attribute that is read from it."""
     if name not in around:
         if name not in _PURE:

@@ -22,12 +22,14 @@ from typing import Any, BinaryIO
 import jax
 import numpy as np
 from jax.experimental import serialize_executable
+from jax.stages import Compiled
+from jax.tree_util import PyTreeDef
 from jaxlib.lapack import prepare_lapack_call
 
 __all__ = ["answer_questions", "program_of_file", "serve"]
 
 
-def program_of_file(file: Path, taken: Any, given: Any = None) -> Any:
+def program_of_file(file: Path, taken: PyTreeDef, given: PyTreeDef | None = None) -> Compiled:
     """The compiled program in a file, for one processor.
 
     The file contains, compressed, two pickled objects: the program as serialised by JAX, and a pytree with

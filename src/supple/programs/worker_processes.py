@@ -32,7 +32,7 @@ from supple.algebra.available_memory import available_memory
 from supple.blas_threads import one_blas_thread
 from supple.other_processes import available_cores, python_command, python_environment
 from supple.programs import program_worker
-from supple.programs.program_cache import CachedProgram
+from supple.programs.program_cache import Arguments, CachedProgram
 
 __all__ = ["Finished", "Task", "Work", "on_all_cores", "shared_out"]
 
@@ -41,7 +41,7 @@ _WORTH = 3.0
 _MEMORY = 2**29
 """Bytes per process, including the data sent to it."""
 
-Task = Callable[[], tuple[Any, ...]]
+Task = Callable[[], Arguments]
 """Returns the arguments of the program; called when the task starts."""
 
 
@@ -59,11 +59,11 @@ class Work(Protocol):
 
     script: str
 
-    def prepare(self, arguments: tuple[Any, ...]) -> None:
+    def prepare(self, arguments: Arguments) -> None:
         """Prepare what all tasks share, with the first arguments."""
         ...
 
-    def here(self, arguments: tuple[Any, ...]) -> Any:
+    def here(self, arguments: Arguments) -> Any:
         """The result, computed in this process."""
         ...
 
@@ -71,7 +71,7 @@ class Work(Protocol):
         """First message to a worker, which confirms its receipt; None where no worker can be used."""
         ...
 
-    def question(self, arguments: tuple[Any, ...]) -> Any:
+    def question(self, arguments: Arguments) -> Any:
         """Message with the arguments of a task; the worker replies with seconds and the input of `result`."""
         ...
 
@@ -81,37 +81,32 @@ class Work(Protocol):
 
 
 class _ProgramWork:
-    """Execution of a compiled program."""
+    """Execution of a compiled program: a worker has its file, and exchanges the leaves of its trees."""
 
     script = program_worker.__file__
 
     def __init__(self, program: CachedProgram) -> None:
         self._program, self._compiled, self._first = program, None, ()
 
-    def prepare(self, arguments: tuple[Any, ...]) -> None:
-        """Compile the program."""
+    def prepare(self, arguments: Arguments) -> None:
         self._first, self._compiled = arguments, self._program.compiled(*arguments)
 
-    def here(self, arguments: tuple[Any, ...]) -> Any:
-        """The result of the program."""
+    def here(self, arguments: Arguments) -> Any:
         assert self._compiled is not None
         with one_blas_thread():
             return jax.device_get(self._compiled(*arguments))
 
     def greeting(self) -> Any:
-        """File of the program, and numbers of input and output leaves."""
         assert self._compiled is not None
         file = self._program.file(*self._first)
         if file is None:
             return None
         return str(file), jax.tree.structure(self._first).num_leaves, self._compiled.out_tree.num_leaves
 
-    def question(self, arguments: tuple[Any, ...]) -> Any:
-        """The leaves of the arguments."""
+    def question(self, arguments: Arguments) -> Any:
         return [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
 
     def result(self, answer: Any) -> Any:
-        """The tree of the output leaves."""
         assert self._compiled is not None
         return jax.tree.unflatten(self._compiled.out_tree, answer)
 
@@ -135,7 +130,7 @@ def shared_out(work: Work, tasks: Sequence[Task]) -> Iterator[Finished]:
     arguments = tasks[number]()
     work.prepare(arguments)
 
-    def finished_here(number: int, arguments: tuple[Any, ...]) -> Finished:
+    def finished_here(number: int, arguments: Arguments) -> Finished:
         began = perf_counter()
         result = work.here(arguments)
         return Finished(number, perf_counter() - began, result)

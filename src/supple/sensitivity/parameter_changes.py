@@ -92,7 +92,8 @@ def parameter_changes(
         neighbours = tuple(_neighbours(build, parameters, name, _STEP * sizes[name]) for name in parameters)
         every = [system, *(each for own in neighbours for each in own.systems)]
         starts = batch_start(every, run)
-    stops = [_stops(each, run) for each in every]
+    begin, times = float(run.times[0]), run.times[1:]
+    stops = [Stops(run.times, stepping_instants([own], run)).on_the_way(begin, times) for own in every]
     numbers = [
         _Numbers(model, state_change(state), own[0])
         for model, state, own in zip(starts.models, starts.states, stops, strict=True)
@@ -122,10 +123,6 @@ def _built(build: Build, parameters: Mapping[str, float]) -> System:
 def _neighbours(build: Build, parameters: Mapping[str, float], name: str, step: float) -> Neighbours:
     values = (parameters[name] + offset * step for offset in OFFSETS)
     return Neighbours(tuple(_built(build, {**parameters, name: value}) for value in values), step)
-
-
-def _stops(system: System, run: Run) -> StopsOfRun:
-    return Stops(run.times, stepping_instants([system], run)).on_the_way(float(run.times[0]), run.times[1:])
 
 
 def _check_marches(system: System, run: Run) -> None:

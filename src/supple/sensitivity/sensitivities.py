@@ -161,12 +161,10 @@ def _marched(machine: ParameterChanges, run: Run) -> tuple[State, StateChange, S
 
 
 def _check_converged(states: State, changes: StateChange) -> None:
-    unsolved = [
-        not all(np.isfinite(leaf[row]).all() for leaf in jax.tree.leaves(changes))
-        for row in range(len(states.time))
-    ]
-    if any(unsolved):
+    finite = [np.isfinite(leaf).reshape(len(leaf), -1).all(axis=1) for leaf in jax.tree.leaves(changes)]
+    solved = np.all(finite, axis=0)
+    if not solved.all():
         raise ConvergenceError(
-            f"the derivatives do not converge at t = {states.time[unsolved.index(True)]:.6g}: there are none "
+            f"the derivatives do not converge at t = {states.time[np.argmin(solved)]:.6g}: there are none "
             "where joints are singular or the derivative of a law is infinite; shorten the run or the steps"
         )

@@ -26,10 +26,10 @@ class CaseWork:
     def __init__(self, run: Run) -> None:
         self._run = run
 
-    def prepare(self, arguments: tuple[Any, ...]) -> None:
+    def prepare(self, arguments: tuple[System]) -> None:
         """No preparation: the first run compiles the common program."""
 
-    def here(self, arguments: tuple[Any, ...]) -> Solution:
+    def here(self, arguments: tuple[System]) -> Solution:
         """The motion of a case, computed in the process of the caller."""
         return _marched(self.question(arguments), self._run)
 
@@ -37,7 +37,7 @@ class CaseWork:
         """The run, sent to the worker once before the cases."""
         return self._run
 
-    def question(self, arguments: tuple[Any, ...]) -> System:
+    def question(self, arguments: tuple[System]) -> System:
         """The machine, sent for each case."""
         (system,) = arguments
         return system

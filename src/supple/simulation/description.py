@@ -36,7 +36,8 @@ def inputs_of(system: System, run: Run, case: str) -> Inputs:
     """
     if is_explicit(system, run):
         run = replace(run, method=explicit_method(run))
-    found = {"the case": case, "the run": _words(run)}
+    span = f"{run.duration!r} from {run.start!r}, every {run.output_step!r}"
+    found = {"the case": case, "the run": f"{span}, {run.step_control}, {run.method}, {run.tolerances}"}
     found["the order of the bodies"] = ", ".join(placed.body.name for placed in system.bodies)
     found |= {f"body '{placed.body.name}'": digest_of_parts(_of_body(placed)) for placed in system.bodies}
     found |= {f"joint '{joint.name}'": digest_of_parts(bytes_of(joint)) for joint in system.joints}
@@ -54,13 +55,6 @@ def inputs_of(system: System, run: Run, case: str) -> Inputs:
     if run.step is None and isinstance(run.method, Explicit):
         found["the step"] = "what is stable"
     return found | {"gravity": digest_of_parts(bytes_of(system.gravity))}
-
-
-def _words(run: Run) -> str:
-    return (
-        f"{run.duration!r} from {run.start!r}, every {run.output_step!r}, {run.step_control}, {run.method}, "
-        f"{run.tolerances}"
-    )
 
 
 def _of_body(placed: Placed) -> Iterator[bytes]:

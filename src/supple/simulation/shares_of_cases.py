@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import jax
 import numpy as np
@@ -29,7 +28,7 @@ from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.batch_start import Axes, BatchStart, stacked
 from supple.methods.floating.compiled.programs import COMPILED_MARCH
 from supple.methods.floating.compiled.state import Controls, State
-from supple.programs.program_cache import CachedProgram
+from supple.programs.program_cache import Arguments, CachedProgram
 from supple.programs.worker_processes import Task
 
 __all__ = ["SharesOfCases", "shares_of"]
@@ -77,7 +76,7 @@ def _mapped(
     size = min(chunk, len(models))
     begun = range(0, len(models), size)
 
-    def arguments(begin: int) -> tuple[Any, ...]:
+    def arguments(begin: int) -> Arguments:
         numbers = [min(number, len(models) - 1) for number in range(begin, begin + size)]
         start = jax.tree.map(lambda *leaves: np.stack(leaves), *(states[number] for number in numbers))
         leaves = stacked([models[number] for number in numbers], axes)
