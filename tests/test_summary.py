@@ -13,8 +13,7 @@ from supple.integrate import ErrorPart, ErrorStatement, FixedStep, Run
 from supple.linearization import campbell_diagram, linearize, machine_modes
 from supple.machine import GROUND, At, Placed, Revolute, Spin, SpringDamper, System
 from supple.mesh import strip
-from supple.quantities.reading import Channel, QuantityKind, Reading
-from supple.quantities.readings import Readings
+from supple.quantities.reading import Channel, QuantityKind, Reading, Readings
 from supple.simulation import equilibrium
 from supple.summary import N_LINES, WIDTH, Summary
 

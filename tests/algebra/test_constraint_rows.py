@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from supple.algebra.constraint_rows import dense_rows
+from supple.algebra.constrained_solve import dense_rows
 from supple.errors import ModelError
 
 

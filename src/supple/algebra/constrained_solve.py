@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import linalg, sparse
 
-from supple.algebra.constraint_rows import dense_rows
 from supple.algebra.sparse_factor import DirectSolver, Matrix, SparseFactor, factorize_symmetric
 from supple.arrays import Array
 from supple.errors import AccuracyError, ModelError
@@ -219,6 +218,24 @@ def constrained_factor(
     factor = ConstrainedFactor(grounded, D, response, border_factor, scale)
     _check_equilibrium(factor)
     return factor
+
+
+def dense_rows(constraint: Any, n: int) -> Array:
+    """D as a dense, read-only (m, n) array; (0, n) without a constraint.
+
+    Raises ModelError for a wrong shape, or numbers that are not finite.
+    """
+    if constraint is None:
+        constraint = np.zeros((0, n))
+    elif sparse.issparse(constraint):
+        constraint = constraint.toarray()
+    rows = np.array(constraint, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != n:
+        raise ModelError(f"the constraint has shape {rows.shape}; give (m, n) with n = {n}")
+    if not np.all(np.isfinite(rows)):
+        raise ModelError("the constraint has NaN or infinite entries")
+    rows.flags.writeable = False
+    return rows
 
 
 def _border_factor(border: Array, m: int) -> tuple[tuple[Array, NDArray[np.intp]], Array]:

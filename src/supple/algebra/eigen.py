@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from scipy import linalg, sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
-from supple.algebra.constrained_solve import ConstrainedFactor, GroundedFactor, constrained_factor
-from supple.algebra.constraint_rows import dense_rows
+from supple.algebra.constrained_solve import ConstrainedFactor, GroundedFactor, constrained_factor, dense_rows
 from supple.algebra.orthonormalize import mass_orthonormalize
 from supple.algebra.sparse_factor import DirectSolver, Matrix, SparseFactor, factorize_symmetric
 from supple.arrays import Array

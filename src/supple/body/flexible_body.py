@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
 from supple.algebra import ConstrainedFactor, Eigenpairs, GroundedFactor, constrained_factor, lowest_modes
-from supple.algebra.constraint_rows import dense_rows
+from supple.algebra.constrained_solve import dense_rows
 from supple.body.checks import checked_grounded_stiffness
 from supple.body.interface import BodyInterface, interface_named, moves_rigidly_with
 from supple.body.internal_force import LinearForce, QuadraticStrainForce

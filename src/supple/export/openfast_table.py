@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.quantities import Readings
-from supple.quantities.readings import TIME, Columns
+from supple.quantities.reading import TIME, Columns
 from supple.units import UnitSystem
 
 Array = NDArray[np.float64]

@@ -11,7 +11,6 @@ from supple.quantities.place_sensors import *
 from supple.quantities.quantity import *
 from supple.quantities.quantity_of_interest import *
 from supple.quantities.reading import *
-from supple.quantities.readings import *
 from supple.quantities.section_sensor import *
 from supple.quantities.stress_history import *
 from supple.quantities.stress_sensor import *

@@ -14,8 +14,7 @@ from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.integrate.solution import concatenate
 from supple.machine import System
-from supple.quantities.reading import Channel, Located, QuantityKind, Reading
-from supple.quantities.readings import Readings
+from supple.quantities.reading import Channel, Located, QuantityKind, Reading, Readings
 
 __all__ = ["Channel", "LocatedQuantity", "Quantity", "QuantityKind", "read_in_parts", "read_sensors"]
 

@@ -10,7 +10,7 @@ from scipy import linalg
 from scipy.sparse import sparray
 
 from supple.algebra import read_only
-from supple.algebra.constraint_rows import dense_rows
+from supple.algebra.constrained_solve import dense_rows
 from supple.body import FlexibleBody
 from supple.reduction.reduced_body import ReducedBody
 
