@@ -143,7 +143,9 @@ class RotatingMachine:
 
         Raises ModelError, with a refusal, where the machine is not in equilibrium at one of them or beside.
         """
-        angles = (2 * np.pi * np.arange(number) / number).tolist() + [BETWEEN] * bool(refusal)
+        angles = (2 * np.pi * np.arange(number) / number).tolist()
+        if refusal:
+            angles.append(BETWEEN)
         each = [equations_turned_on(self.found, self.time, self.spin, angle) for angle in angles]
         if refusal and max(one.unbalanced for one in each) > CONSTANT:
             raise ModelError(refusal)

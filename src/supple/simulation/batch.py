@@ -9,7 +9,8 @@ frozen (`shares_of_cases`). All processor cores are used where that is worthwhil
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
 
 import jax
 import numpy as np
@@ -19,6 +20,7 @@ from supple.arguments import check_instance, checked_arguments
 from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_resolution import report_step_length
 from supple.equations.checks.validity import Peaks, watch
+from supple.equations.floating_solution import floating_solution
 from supple.equations.machine_model import Model
 from supple.equations.stops import Stops, laws_of, padded_stops, stepping_instants
 from supple.errors import ModelError
@@ -27,7 +29,13 @@ from supple.machine import SampledController
 from supple.machine.laws.instants import shortest_scale_of
 from supple.machine.system import System
 from supple.methods.floating.compiled.batch_start import BatchStart, batch_start, differing, form_of
-from supple.methods.floating.compiled.engine import controls, march_failure, march_statistics
+from supple.methods.floating.compiled.engine import (
+    controls,
+    engine_state,
+    march_failure,
+    march_statistics,
+    system_motion,
+)
 from supple.methods.floating.compiled.state import State
 from supple.programs.worker_processes import on_all_cores
 from supple.progress import by_fraction, with_progress_bar
@@ -35,7 +43,6 @@ from supple.simulation.batch_in_turn import batch_in_turn, require_memory_of_chu
 from supple.simulation.batch_of_lines import batch_of_lines
 from supple.simulation.batch_solution import BatchSolution
 from supple.simulation.engines import refuse_explicit
-from supple.simulation.results_of_cases import MarchedCase, solutions_of
 from supple.simulation.shares_of_cases import shares_of
 from supple.simulation.watched_run import check_laws_cover, warn_of_unseen_laws
 
@@ -101,7 +108,7 @@ def simulate_batch(
     limits = watch(cases[0], run.validity)
     peaks: dict[str, Peaks] = {}
     statistics = Statistics()
-    marched: dict[int, MarchedCase] = {}
+    marched: dict[int, _MarchedCase] = {}
     found: dict[int, Solution] = {}
     failures: dict[int, str] = {}
     began = clock.perf_counter()
@@ -125,7 +132,7 @@ def simulate_batch(
             if last.failed:
                 failures[number] = march_failure(cases[number], run, last)
         if len(marched) >= _RESULTS_AT_ONCE or len(marched) + len(found) == len(cases):
-            found |= dict(zip(marched, solutions_of(list(marched.values())), strict=True))
+            found |= dict(zip(marched, _solutions_of(list(marched.values())), strict=True))
             for number in marched:
                 peaks = limits.observe(peaks, found[number])
                 statistics = statistics + found[number].statistics
@@ -172,7 +179,7 @@ def _briefest(cases: Sequence[System], run: Run) -> System:
 
 def _marched(
     system: System, starts: BatchStart, number: int, last: State, history: State, seconds: float
-) -> MarchedCase:
+) -> _MarchedCase:
     """A case with its start, its last state, and its states at the output times reached."""
     good = int(np.sum(~history.failed))
     states = jax.tree.map(
@@ -180,7 +187,7 @@ def _marched(
         starts.states[number]._replace(kept=None),
         history,
     )
-    return MarchedCase(system, starts.models[number], states, march_statistics(last, seconds))
+    return _MarchedCase(system, starts.models[number], states, march_statistics(last, seconds))
 
 
 def _check_alike(models: Sequence[Model]) -> None:
@@ -192,3 +199,57 @@ def _check_alike(models: Sequence[Model]) -> None:
         )
     if any(shapes != forms[0][1] for _, shapes in forms):
         raise ModelError("the cases of a batch must have tables and bodies of the same sizes")
+
+
+@dataclass(frozen=True)
+class _MarchedCase:
+    """The computed part of a case."""
+
+    system: System
+    model: Model
+    states: State
+    """States at the output times reached; the first axis is time."""
+    statistics: Statistics
+
+
+def _solutions_of(cases: Sequence[_MarchedCase]) -> list[Solution]:
+    """The solutions of cases.
+
+    Cases with the same bodies and joints are concatenated in time: one call computes their joint forces,
+    which takes less time than a call for each case.
+    """
+    alike: dict[Hashable, list[int]] = {}
+    for number, case in enumerate(cases):
+        alike.setdefault(_bodies_and_joints(case), []).append(number)
+    found: dict[int, Solution] = {}
+    for numbers in alike.values():
+        together = _found_together([cases[number] for number in numbers])
+        found |= dict(zip(numbers, together, strict=True))
+    return [found[number] for number in range(len(cases))]
+
+
+def _bodies_and_joints(case: _MarchedCase) -> Hashable:
+    """Key by identity of bodies and joints: cases with equal starts share joint arrays (`batch_start`)."""
+    return (
+        tuple(id(placed.body) for placed in case.system.bodies),
+        tuple(joint.name for joint in case.system.joints),
+        id(case.model.joints),
+        case.model.active,
+    )
+
+
+def _found_together(cases: Sequence[_MarchedCase]) -> list[Solution]:
+    first = cases[0]
+    states = jax.tree.map(lambda *own: np.concatenate(own), *(case.states for case in cases))
+    whole = floating_solution(
+        first.system, first.model.slices, first.model.active, system_motion(states), Statistics()
+    )
+    ends = np.cumsum([len(case.states.time) for case in cases])
+    return [
+        replace(
+            whole.at(slice(end - len(case.states.time), end)),
+            statistics=case.statistics,
+            engine_state=engine_state(case.model, case.states),
+        )
+        for case, end in zip(cases, ends, strict=True)
+    ]
