@@ -103,18 +103,18 @@ def carried_deformation(
     a condensed model with modal coordinates.
     """
     _check_same_mesh(now, nodes)
-    full = _in_full(now)
-    body = full.body
+    body = _flexible(now)
     coordinates_of = coordinates_of_nodes(body)
-    if _frame(then) != _frame(now) or isinstance(now, FullBody):
+    if _frame(then) != _frame(now) or now.kind == "full":
         state, deformation = _seen_from(body, _frame(now), state, deformation, coordinates_of)
     x, dx = (coordinates_of(each) for each in deformation)
-    if isinstance(full, ModalSubdomain):
-        vectors = full.vectors
-    elif isinstance(now, ReducedBody):
-        vectors = stored_basis(full, now).vectors
-    else:
-        return TransferredDeformation(state, x, dx, ProjectionLoss(0.0, 0.0, 0.0, 0.0))
+    match now:
+        case ReducedBody() if now.full is not None:
+            vectors = stored_basis(now.full, now).vectors
+        case ModalSubdomain():
+            vectors = now.vectors
+        case _:
+            return TransferredDeformation(state, x, dx, ProjectionLoss(0.0, 0.0, 0.0, 0.0))
     weighted = (body.mass @ vectors).T
     back, ends, wanted = _interfaces(now, body)
 
@@ -265,21 +265,28 @@ def _frame(form: BodyForm) -> Frame:
     return getattr(form, "frame", MeanAxisFrame())
 
 
-def _in_full(now: BodyForm) -> FullBody | ModalSubdomain:
-    full = now.full if isinstance(now, ReducedBody) else now
-    if full is None:
-        raise ModelError(
-            f"body '{now.name}' was read as reduced, without the mass matrix for a projection on its "
-            "basis: reduce it here, or continue with the reduced body of the motion"
-        )
-    if not isinstance(full, FullBody | ModalSubdomain):
-        raise ModelError(f"body '{now.name}' is {now.kind}: no deformation can be transferred; keep its form")
-    if full.body.n_modal:
+def _flexible(now: BodyForm) -> FlexibleBody:
+    match now:
+        case ReducedBody() if now.full is None:
+            raise ModelError(
+                f"body '{now.name}' was read as reduced, without the mass matrix for a projection on its "
+                "basis: reduce it here, or continue with the reduced body of the motion"
+            )
+        case ReducedBody() if now.full is not None:
+            body = now.full.body
+        case FullBody() | ModalSubdomain():
+            body = now.body
+        case _:
+            raise ModelError(
+                f"body '{now.name}' is {now.kind}: no deformation can be transferred to it; keep the form of "
+                "the motion"
+            )
+    if body.n_modal:
         raise ModelError(
             f"body '{now.name}' is a condensed model, whose nodes do not show its modal coordinates: "
             "continue with the basis of the motion"
         )
-    return full
+    return body
 
 
 def _norm(body: FlexibleBody, field: Array) -> float:

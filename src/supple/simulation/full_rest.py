@@ -240,15 +240,15 @@ def _expanded(
     reduced: RestingState, bases: Mapping[str, ReductionBasis], fulls: Mapping[str, FullBody]
 ) -> list[np.ndarray]:
     """All coordinates of each body at equilibrium, with the condensed motion."""
-    coordinates, first = [], 0
+    coordinates, first, forms = [], 0, reduced.system.bodies_of(ReducedBody)
     for placed in reduced.system.bodies:
         body = placed.body
         own = np.asarray(reduced.configuration.coordinates[first : first + body.n_coordinates])
         first += body.n_coordinates
-        if isinstance(body, ReducedBody) and body.name in bases:
+        if body.name in bases:
             basis = bases[body.name]
             gamma, own = own[None], basis.vectors @ own
-            if body.condensed is not None:
+            if forms[body.name].condensed is not None:
                 own = own + Condensation(fulls[body.name].body, basis).bilinear(gamma, gamma)[:, 0]
         coordinates.append(own)
     return coordinates
