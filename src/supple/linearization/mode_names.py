@@ -6,13 +6,12 @@ from collections import Counter
 
 import numpy as np
 
+from supple.linearization.linear_machine import Array
 from supple.linearization.machine_modes import MachineModes
 from supple.linearization.whirl import whirl
 from supple.machine import Placed, Spin
 
 __all__ = ["mode_names"]
-
-Array = np.ndarray
 
 AWAY = 0.25
 """Ratio of the distance of the nodes' mean position from the axis to their largest radius, above which a body

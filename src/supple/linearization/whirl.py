@@ -11,13 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.linearization.linear_machine import LinearMachine, rigid_motions
+from supple.linearization.linear_machine import Array, LinearMachine, rigid_motions
 from supple.linearization.machine_modes import MachineModes
 from supple.machine import Placed
 
 __all__ = ["Whirl", "whirl"]
-
-Array = np.ndarray
 
 LEAST = 1e-6
 """Share of the kinetic energy of a mode below which motion normal to the axis is not whirl."""

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from supple.arrays import Array
 from supple.body import BodyForm, FlexibleBody, Frame, FullBody, MeanAxisFrame
 from supple.errors import ModelError
 from supple.methods.explicit import ModalSubdomain
@@ -26,8 +27,6 @@ from supple.reduction import ReducedBody
 from supple.simulation.stored_basis import coordinates_of_nodes, stored_basis
 
 __all__ = ["Deformation", "PlacedFrame", "ProjectionLoss", "TransferredDeformation", "carried_deformation"]
-
-Array = np.ndarray
 
 SAME_PLACE = 1e-6
 """Largest distance between nodes of two meshes that count as equal, relative to the size of the body."""
