@@ -16,9 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.methods.floating.full.elimination import LoadedElimination
+from supple.methods.floating.full.elimination import EliminatedInterior
 
-__all__ = ["Border", "BorderedChange", "EliminatedInterior", "solve_bordered"]
+__all__ = ["Border", "solve_bordered"]
 
 
 class Border(NamedTuple):
@@ -38,31 +38,10 @@ class Border(NamedTuple):
     """Unit of the multipliers; in this unit they have the size of accelerations"""
 
 
-class EliminatedInterior(NamedTuple):
-    """The eliminated interior of one full body."""
-
-    part: slice
-    """Numbers of the body's frame and interface motions in the border"""
-    out: LoadedElimination
-    frame_residual: np.ndarray
-    """(6,)"""
-    frame_target: np.ndarray
-    """Required values of the frame conditions, (6,)"""
-
-
-class BorderedChange(NamedTuple):
-    """Solution: changes of the border, the joint multipliers, and every interior."""
-
-    border: np.ndarray
-    multipliers: np.ndarray
-    interiors: tuple[np.ndarray, ...]
-    """(n_own,) each"""
-    frame_multipliers: tuple[np.ndarray, ...]
-    """(6,) each"""
-
-
-def solve_bordered(border: Border, interiors: Sequence[EliminatedInterior]) -> BorderedChange:
-    """Change of accelerations and multipliers that solves the bordered system."""
+def solve_bordered(
+    border: Border, interiors: Sequence[EliminatedInterior]
+) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
+    """Changes of the border and the joint multipliers; and of every interior and its frame multipliers."""
     n, m = len(border.matrix), len(border.targets)
     joints = slice(n, n + m)
     frames = [slice(n + m + 6 * number, n + m + 6 * number + 6) for number in range(len(interiors))]
@@ -76,41 +55,34 @@ def solve_bordered(border: Border, interiors: Sequence[EliminatedInterior]) -> B
     for interior, mu in zip(interiors, frames, strict=True):
         _condense(interior, mu, matrix, right)
     solution = np.linalg.solve(matrix, right)
-    return BorderedChange(
-        border=solution[:n],
-        multipliers=border.scale * solution[joints],
-        interiors=tuple(
-            _behind(interior, border, solution, joints, mu)
-            for interior, mu in zip(interiors, frames, strict=True)
-        ),
-        frame_multipliers=tuple(solution[mu] for mu in frames),
-    )
+    behind = (_behind(each, border, solution, joints, mu) for each, mu in zip(interiors, frames, strict=True))
+    return solution[:n], border.scale * solution[joints], tuple(behind), tuple(solution[mu] for mu in frames)
 
 
 def _condense(interior: EliminatedInterior, mu: slice, matrix: np.ndarray, right: np.ndarray) -> None:
     """Replace the rows of one full body by those of its eliminated interior."""
-    part, out = interior.part, interior.out
+    part, seen_own = interior.part, interior.seen
     frame, interface = slice(part.start, part.start + 6), slice(part.start + 6, part.stop)
     p = interface.stop - interface.start
     # Coupling `L x` of the interior per unknown; the border's rows of the interface are `c`.
-    seen = out.seen_responses[:, :p] @ matrix[interface]
-    seen[:, frame] += out.seen_responses[:, p : p + 6]
-    seen[:, mu] += out.seen_responses[:, p + 6 :]
+    seen = interior.seen_responses[:, :p] @ matrix[interface]
+    seen[:, frame] += interior.seen_responses[:, p : p + 6]
+    seen[:, mu] += interior.seen_responses[:, p + 6 :]
     matrix[frame] += seen[:6]
-    matrix[frame, frame] += out.frame_corner
-    right[frame] = -interior.frame_residual - out.seen[:6]
+    matrix[frame, frame] += interior.frame_corner
+    right[frame] = -interior.frame_residual - seen_own[:6]
     matrix[interface] = seen[6 : 6 + p]
     matrix[interface, interface] -= np.eye(p)
-    right[interface] = -out.seen[6 : 6 + p]
+    right[interface] = -seen_own[6 : 6 + p]
     matrix[mu] += seen[6 + p :]
-    right[mu] = interior.frame_target - out.seen[6 + p :]
+    right[mu] = interior.frame_target - seen_own[6 + p :]
 
 
 def _behind(
     interior: EliminatedInterior, border: Border, solution: np.ndarray, joints: slice, mu: slice
 ) -> np.ndarray:
     """Change of an interior's own accelerations, (n_own,)."""
-    part, out = interior.part, interior.out
+    part = interior.part
     interface = (border.matrix[part] @ solution[: len(border.matrix)])[6:]
     interface = interface + (border.rows.T[part] @ solution[joints])[6:] * border.scale
-    return out.behind(np.concatenate([interface, solution[part][:6], solution[mu]]))
+    return interior.behind(np.concatenate([interface, solution[part][:6], solution[mu]]))

@@ -20,12 +20,18 @@ from scipy.sparse import csr_array
 from supple.algebra.low_rank_update import LowRankUpdate
 from supple.algebra.sparse_factor import SparseFactor
 
-__all__ = ["Elimination", "LoadedElimination", "elimination"]
+__all__ = ["EliminatedInterior", "Elimination", "elimination"]
 
 
-class LoadedElimination(NamedTuple):
+class EliminatedInterior(NamedTuple):
     """An eliminated interior under its loads; forces and motions of the frame have global components."""
 
+    part: slice
+    """Numbers of the body's frame and interface motions in the border"""
+    frame_residual: np.ndarray
+    """(6,)"""
+    frame_target: np.ndarray
+    """Required values of the frame conditions, (6,)"""
     particular: np.ndarray
     """`- S^-1 r`, (n,)"""
     responses: np.ndarray
@@ -61,16 +67,21 @@ class Elimination(NamedTuple):
     frame_corner: np.ndarray
     """(6, 6)"""
 
-    def loaded(self, residual: np.ndarray, rotation: np.ndarray) -> LoadedElimination:
-        """The elimination under unbalanced forces (n,), with the body's axes at a rotation (3, 3)."""
-        particular = -self.factor.solve(residual)
+    def loaded(
+        self, part: slice, residual: np.ndarray, frame_target: np.ndarray, rotation: np.ndarray
+    ) -> EliminatedInterior:
+        """The elimination under unbalanced forces (6 + n,), with the body's axes at a rotation (3, 3)."""
+        particular = -self.factor.solve(residual[6:])
         p = self.responses.shape[1] - 12
         seen = _seen(self.frame_equations, self.interface_rows, self.frame_rows, particular)
         # Unknowns: interface forces, frame, multipliers. Rows: frame, interfaces, frame conditions.
         unknown, row, corner = np.eye(p + 12), np.eye(p + 12), np.eye(6)
         unknown[p : p + 3, p : p + 3] = rotation.T
         row[:3, :3] = corner[:3, :3] = rotation
-        return LoadedElimination(
+        return EliminatedInterior(
+            part,
+            residual[:6],
+            frame_target,
             particular,
             self.responses,
             unknown,

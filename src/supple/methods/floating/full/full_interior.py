@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import NamedTuple
@@ -42,23 +43,6 @@ _forces_by_rotation = jax.jit(forces_by_rotation)
 _forces_by_places = jax.jit(forces_by_places)
 
 
-class _LoadOnNodes(NamedTuple):
-    """A nodal load with its arrays on the JAX device, copied once, because load tables may be large."""
-
-    nodes: np.ndarray
-    prepared: PreparedLoad
-
-
-class _LoadForces(NamedTuple):
-    """Forces of a load on its k nodes, body components, and their derivative by the frame's rotation."""
-
-    nodes: np.ndarray
-    forces: np.ndarray
-    """(k, 3)"""
-    by_rotation: np.ndarray
-    """(k, 3, 3)"""
-
-
 class InteriorForces(NamedTuple):
     """Terms of the equations of motion, frame part (6,) and coordinates (n,) joined, (6 + n,) each."""
 
@@ -86,7 +70,8 @@ class FullInterior:
     """None for a linear body"""
     damping: FullDamping
     tangent: FullTangent
-    loads: tuple[_LoadOnNodes, ...]
+    loads: tuple[tuple[np.ndarray, PreparedLoad], ...]
+    """Nodes of each nodal load, and its arrays on the JAX device, copied once: load tables may be large"""
 
     def _nodal(self, coordinates: np.ndarray) -> np.ndarray:
         body = self.full.body
@@ -102,17 +87,15 @@ class FullInterior:
             frame_acceleration=state.rotation.T @ state.acceleration,
         )
 
-    def _load_forces(self, state: InteriorState, place: np.ndarray) -> list[_LoadForces]:
-        """Forces of every nodal load, for nodes at `place` (N, 3)."""
-        forces = []
-        for load in self.loads:
-            arguments = load.prepared, place[load.nodes], state.rotation, state.time
-            forces.append(
-                _LoadForces(
-                    load.nodes, np.asarray(_forces(*arguments)), np.asarray(_forces_by_rotation(*arguments))
-                )
-            )
-        return forces
+    def _load_forces(
+        self, state: InteriorState, place: np.ndarray
+    ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Nodes (k,) of every load, for nodes at `place` (N, 3); its forces (k, 3) in body components, and
+        their derivative (k, 3, 3) by the frame's rotation.
+        """
+        for nodes, load in self.loads:
+            at = load, place[nodes], state.rotation, state.time
+            yield nodes, np.asarray(_forces(*at)), np.asarray(_forces_by_rotation(*at))
 
     def forces(self, state: InteriorState) -> InteriorForces:
         """All terms of the body's own equations of motion."""
@@ -176,14 +159,11 @@ class FullInterior:
         body, d = self.full.body, self.full.body.dofs_per_node
         place = body.nodes + self._nodal(state.coordinates)[:, :3]
         entries, rows, columns = [], [], []
-        for load in self.loads:
-            if not load.prepared.follows_nodes:
+        for nodes, load in self.loads:
+            if not load.follows_nodes:
                 continue
-            nodes = load.nodes[np.asarray(load.prepared.facets)]
-            freedoms = d * nodes[:, :, None] + np.arange(3)
-            change = np.asarray(
-                _forces_by_places(load.prepared, place[load.nodes], state.rotation, state.time)
-            )
+            freedoms = d * nodes[np.asarray(load.facets)][:, :, None] + np.arange(3)
+            change = np.asarray(_forces_by_places(load, place[nodes], state.rotation, state.time))
             entries.append(change.ravel())
             rows.append(np.broadcast_to(freedoms[..., None, None], change.shape).ravel())
             columns.append(np.broadcast_to(freedoms[:, None, None], change.shape).ravel())
@@ -257,7 +237,7 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -
     return replace(
         _unloaded_interior(full),
         index=index,
-        loads=tuple(_LoadOnNodes(load.nodes, jax.device_put(prepared(load))) for load in loads),
+        loads=tuple((load.nodes, jax.device_put(prepared(load))) for load in loads),
     )
 
 

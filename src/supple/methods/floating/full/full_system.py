@@ -42,7 +42,7 @@ from supple.equations.step_size import position_rounding
 from supple.errors import ModelError
 from supple.integrate import StepFactors
 from supple.machine import NodalLoad, System
-from supple.methods.floating.full.bordered_solve import Border, EliminatedInterior, solve_bordered
+from supple.methods.floating.full.bordered_solve import Border, solve_bordered
 from supple.methods.floating.full.elimination import Elimination
 from supple.methods.floating.full.full_interior import (
     FullInterior,
@@ -100,7 +100,7 @@ class FullSystem:
         self.coordinate_slices = _slices(sizes)
         self.n = self.slices[-1].stop
         self.interiors = tuple(
-            prepare_interior(system.body_index(name), full, self._nodal_loads(full))
+            prepare_interior(system.body_index(name), full, _loads_on(system, full))
             for name, full in system.bodies_of(FullBody).items()
         )
         self.model = station_model(self.seen, len(system.bodies) - len(self.lines), active)
@@ -131,20 +131,10 @@ class FullSystem:
         other.model = replace(self.model, active=active)
         return other
 
-    def _nodal_loads(self, full: FullBody) -> tuple[NodalLoad, ...]:
-        return tuple(
-            load
-            for load in self.system.loads
-            if isinstance(load, NodalLoad) and load.body == full.name and is_on_full_nodes(self.system, load)
-        )
-
     def stations(self, configuration: Configuration, velocity: np.ndarray) -> tuple[Stations, ...]:
         """Motions of the stations, for each body that has them."""
-        none = np.zeros_like(velocity)
-        return tuple(
-            line.stations(self._body_state(line.index, 0.0, configuration, velocity, none))
-            for line in self.lines
-        )
+        at = 0.0, configuration, velocity, np.zeros_like(velocity)
+        return tuple(line.stations(self._body_state(line.index, *at)) for line in self.lines)
 
     def _body_state(
         self,
@@ -450,13 +440,8 @@ class FullSystem:
         joint_targets, frame_targets = targets
         border = Border(matrix, rows, rows_by_increment, residual, joint_targets, float(model.mass))
         behind = [
-            EliminatedInterior(
-                self.border_slices[interior.index],
-                elimination.loaded(residual[6:], state.rotation),
-                residual[:6],
-                frame_target,
-            )
-            for interior, elimination, residual, state, frame_target in zip(
+            elimination.loaded(self.border_slices[interior.index], unbalanced, target, state.rotation)
+            for interior, elimination, unbalanced, state, target in zip(
                 self.interiors,
                 eliminations,
                 evaluation.interior_residuals,
@@ -465,11 +450,11 @@ class FullSystem:
                 strict=True,
             )
         ]
-        change = solve_bordered(border, behind)
-        parts = [change.border[part] for part in self.joint_slices]
-        for interior, own in zip(self.interiors, change.interiors, strict=True):
+        moved, multipliers, interiors, frame_multipliers = solve_bordered(border, behind)
+        parts = [moved[part] for part in self.joint_slices]
+        for interior, own in zip(self.interiors, interiors, strict=True):
             parts[interior.index] = np.concatenate([parts[interior.index][:6], own])
-        return Unknowns(np.concatenate(parts), change.multipliers, change.frame_multipliers)
+        return Unknowns(np.concatenate(parts), multipliers, frame_multipliers)
 
     def _with_lines(
         self,
@@ -537,16 +522,17 @@ class FullSystem:
             masses[index] = border[frame, frame]
         for interior in self.interiors:
             masses[interior.index] = interior.frame_mass(self._interior_state(interior, at_rest))
-        for index, mass in self._line_masses(configuration).items():
-            masses[index] = mass[:6, :6]
+        for line, mass in zip(self.lines, self._line_masses(configuration), strict=True):
+            masses[line.index] = mass[:6, :6]
         return masses
 
-    def _line_masses(self, configuration: Configuration) -> dict[int, np.ndarray]:
-        none, found = np.zeros(self.n), {}
-        for line in self.lines:
-            at = self._body_state(line.index, 0.0, configuration, none, none)
-            found[line.index] = line.tangent(at, np.zeros(6 * line.n_stations))[0]
-        return found
+    def _line_masses(self, configuration: Configuration) -> list[np.ndarray]:
+        at = 0.0, configuration, np.zeros(self.n), np.zeros(self.n)
+        forces = [np.zeros(6 * line.n_stations) for line in self.lines]
+        return [
+            line.tangent(self._body_state(line.index, *at), none)[0]
+            for line, none in zip(self.lines, forces, strict=True)
+        ]
 
     def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
         """Kinetic energies (nb,) of the bodies."""
@@ -557,9 +543,9 @@ class FullSystem:
         for interior in self.interiors:
             moving = velocity[self.slices[interior.index]][:3]
             energies[interior.index] = interior.kinetic_energy(self._interior_state(interior, state), moving)
-        for index, mass in self._line_masses(configuration).items():
-            own = velocity[self.slices[index]]
-            energies[index] = own @ mass @ own / 2
+        for line, mass in zip(self.lines, self._line_masses(configuration), strict=True):
+            own = velocity[self.slices[line.index]]
+            energies[line.index] = own @ mass @ own / 2
         return energies
 
     def least_change(
@@ -645,6 +631,11 @@ class FullSystem:
 _mass_matrix = CachedProgram(mass_matrix, STARTING)
 _right_jacobian = jax.jit(rotation_right_jacobian)
 _rotations_exp = jax.jit(jax.vmap(rotation_exp))
+
+
+def _loads_on(system: System, full: FullBody) -> tuple[NodalLoad, ...]:
+    given = (load for load in system.loads if isinstance(load, NodalLoad) and load.body == full.name)
+    return tuple(load for load in given if is_on_full_nodes(system, load))
 
 
 def _slices(sizes: list[int]) -> tuple[slice, ...]:
