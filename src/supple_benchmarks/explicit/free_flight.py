@@ -25,11 +25,11 @@ from supple.methods.explicit.frame_model import (
     FrameState,
     Generalized,
     StepLengths,
+    link_residual,
     step_kinetic_energy,
 )
 from supple.methods.explicit.frame_moments import arms, moments, spread
 from supple.methods.explicit.mass_fields import mass_fields
-from supple.methods.explicit.rigid_links import link_residual
 from supple.methods.explicit.step_limit import local_limit, true_limit
 from supple.reduction import NormalModes
 

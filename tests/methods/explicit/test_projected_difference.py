@@ -9,12 +9,11 @@ from fixtures.spinning_box import box_body, flown, modal_box, spinning
 from supple.algebra import lowest_modes
 from supple.algebra.rotation import rotation_log
 from supple.errors import ModelError
-from supple.methods.explicit.frame_model import FrameModel, step_kinetic_energy
+from supple.methods.explicit.frame_model import FrameModel, link_residual, step_kinetic_energy
 from supple.methods.explicit.frame_moments import arms, moments
 from supple.methods.explicit.mass_fields import mass_fields
 from supple.methods.explicit.modal_subdomain import ModalSubdomain, modal_subdomain
 from supple.methods.explicit.projected_difference import ProjectedDifference
-from supple.methods.explicit.rigid_links import link_residual
 from supple.methods.explicit.step_limit import damped_limit, local_limit, true_limit
 from supple.reduction import CraigBampton, NormalModes
 from supple_benchmarks.explicit.free_flight import angular_momentum, linear_momentum, strain_energy

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from fixtures.spinning_box import flown, modal_box, rigid_box, spinning
 
+from supple.methods.explicit.frame_model import link_residual
 from supple.methods.explicit.projected_difference import ProjectedDifference
 from supple.methods.explicit.published_scheme import ExactLinks, LaggedGyroscopicForce, PublishedScheme
-from supple.methods.explicit.rigid_links import link_residual
 from supple_benchmarks.explicit.free_flight import angular_momentum
 
 TURN = 5.8e-3

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import Solution, Validity
-from supple.machine import FollowerPressure, SurfaceContact, System
+from supple.machine import FollowerPressure, System
 from supple.mesh.outer_faces import outer_triangles
 from supple.methods.explicit.explicit_shell import ExplicitShell
 from supple.methods.explicit.explicit_subdomain import ExplicitSubdomain
@@ -55,12 +55,22 @@ def deletion_watch(system: System, validity: Validity) -> DeletionWatch:
         part = system.placed(contact.surface.body).body
         if _can_lose_elements(part):
             faces = outer_triangles(part.mesh, system.node_numbers(contact.surface))
-            below.append((_uncovers(contact), part.name, _below(part, faces)))
+            message = (
+                f"contact of '{contact.nodes}' with '{contact.surface}': elements below its faces are "
+                "deleted. The contact has no faces on the elements behind them, so nodes pass through these "
+                "elements, and later results there are wrong: leave the deletion strain out, or raise it"
+            )
+            below.append((message, part.name, _below(part, faces)))
     for load in system.loads:
         if isinstance(load, FollowerPressure):
             part = system.placed(load.body).body
             if _can_lose_elements(part):
-                below.append((_still_presses(load), part.name, _below(part, np.asarray(load.faces))))
+                message = (
+                    f"{load.label}: elements below its faces are deleted. The pressure still acts on the "
+                    "nodes of these faces, so later results are wrong: leave the deletion strain out, raise "
+                    "it, or end the pressure earlier (its law)"
+                )
+                below.append((message, part.name, _below(part, np.asarray(load.faces))))
     return DeletionWatch(validity, tuple(below))
 
 
@@ -75,19 +85,3 @@ def _below(part: ExplicitSubdomain | ExplicitShell, faces: NDArray[np.int64]) ->
         for own in part.model.sections
     ]
     return np.concatenate(on)
-
-
-def _uncovers(contact: SurfaceContact) -> str:
-    return (
-        f"contact of '{contact.nodes}' with '{contact.surface}': elements below its faces are deleted. The "
-        "contact has no faces on the elements behind them, so nodes pass through these elements, and later "
-        "results there are wrong: leave the deletion strain out, or raise it"
-    )
-
-
-def _still_presses(load: FollowerPressure) -> str:
-    return (
-        f"{load.label}: elements below its faces are deleted. The pressure still acts on the nodes of these "
-        "faces, so later results are wrong: leave the deletion strain out, raise it, or end the pressure "
-        "earlier (its law)"
-    )

@@ -68,14 +68,8 @@ class ExplicitEngine:
 
     def steps(self) -> tuple[float, int]:
         """Element step at the start, s, and number of element steps in one frame step."""
-        span = jnp.asarray(self._run.output_step)
-        h, ratio, _ = chosen_steps(
-            self._built.model,
-            self._built.methods,
-            self._built.start,
-            jnp.asarray(self._fixed or 0.0),
-            span,
-        )
+        own, span = self._built, jnp.asarray(self._run.output_step)
+        h, ratio, _ = chosen_steps(own.model, own.methods, own.start, jnp.asarray(self._fixed or 0.0), span)
         return float(h), int(ratio)
 
     def start(self, time: float) -> MarchState:
@@ -119,33 +113,17 @@ class ExplicitEngine:
 
     def _marched(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
         """Integrate to each of the output times without interruption."""
-        began = clock.perf_counter()
-        prepared = self._built
+        began, machine = clock.perf_counter(), (self._built.model, self._built.methods)
         ahead = times[times > float(state.time)]
         rows: list[Recorded] = []
         if len(ahead) < len(times):
-            rows.append(
-                jax.tree.map(
-                    lambda leaf: np.asarray(leaf)[None],
-                    recorded(
-                        prepared.model,
-                        prepared.methods,
-                        state,
-                        jnp.asarray(0),
-                        jnp.asarray(self._first_step()),
-                    ),
-                )
-            )
+            now = recorded(*machine, state, jnp.asarray(0), jnp.asarray(self._first_step()))
+            rows.append(jax.tree.map(lambda leaf: np.asarray(leaf)[None], now))
         before = int(state.steps)
         stopped, last = None, state
         if len(ahead):
-            last, after = march_to(
-                prepared.model,
-                prepared.methods,
-                state,
-                jnp.asarray(self._fixed or 0.0),
-                jnp.asarray(np.pad(ahead, (0, _padded(len(ahead)) - len(ahead)), mode="edge")),
-            )
+            ends = jnp.asarray(np.pad(ahead, (0, _padded(len(ahead)) - len(ahead)), mode="edge"))
+            last, after = march_to(*machine, state, jnp.asarray(self._fixed or 0.0), ends)
             after = jax.tree.map(lambda leaf: leaf[: len(ahead)], jax.device_get(after))
             bad = np.flatnonzero(after.trouble)
             if bad.size:

@@ -85,39 +85,34 @@ class ExplicitShell(ElementPart):
 
     def __post_init__(self) -> None:
         check_fields(self)
-        refuse_relative_damping(self.damping, f"explicit shell '{self.name}'")
-        refuse_beside_elements(f"explicit shell '{self.name}'", self.model)
+        what = f"explicit shell '{self.name}'"
+        refuse_relative_damping(self.damping, what)
+        refuse_beside_elements(what, self.model)
         for section in self.model.sections:
             if section.cell_type is not CellType.TRIANGLE3 or not isinstance(
                 section.property, HomogeneousSection
             ):
                 raise ModelError(
-                    f"explicit shell '{self.name}': it has {section.cell_type.name} cells of "
+                    f"{what}: it has {section.cell_type.name} cells of "
                     f"{type(section.property).__name__}; explicit shells are TRIANGLE3 cells of a "
                     "HomogeneousSection"
                 )
             if section.property.offset or section.property.added_mass or section.property.shear_factor:
                 raise ModelError(
-                    f"explicit shell '{self.name}': its section has an offset, an added mass or a shear "
+                    f"{what}: its section has an offset, an added mass or a shear "
                     "factor; explicit shells are plain sections about their nodes: leave these out"
                 )
             if self.law is not None and section.property.material != self.law.elastic:
                 raise ModelError(
-                    f"explicit shell '{self.name}': its law has other elastic constants, or another density, "
+                    f"{what}: its law has other elastic constants, or another density, "
                     "than its sections; make one part for each material"
                 )
         if self.layers < 2:
-            raise ModelError(
-                f"explicit shell '{self.name}': {self.layers} layers have no bending stiffness; give at "
-                "least 2"
-            )
+            raise ModelError(f"{what}: {self.layers} layers have no bending stiffness; give at least 2")
         masses = [section.property.mass_per_area for section in self.model.sections]  # ty: ignore[missing-union-attribute] - of shells
-        check_law(f"explicit shell '{self.name}'", self.law, masses, self.deletion)
+        check_law(what, self.law, masses, self.deletion)
         if self.damping is not None and self.damping.beta:
-            raise ModelError(
-                f"explicit shell '{self.name}': strain-rate damping is available for solids only; give beta "
-                "= 0"
-            )
+            raise ModelError(f"{what}: strain-rate damping is available for solids only; give beta = 0")
 
     @cached_property
     def masses(self) -> FloatArray:

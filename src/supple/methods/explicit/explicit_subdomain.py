@@ -57,20 +57,15 @@ class ExplicitSubdomain(ElementPart):
 
     def __post_init__(self) -> None:
         check_fields(self)
-        refuse_relative_damping(self.damping, f"explicit sub-domain '{self.name}'")
-        refuse_beside_elements(f"explicit sub-domain '{self.name}'", self.model)
+        what = f"explicit sub-domain '{self.name}'"
+        refuse_relative_damping(self.damping, what)
+        refuse_beside_elements(what, self.model)
         if self.model.dofs_per_node != 3:
-            raise ModelError(
-                f"explicit sub-domain '{self.name}': its law is for solids, its model has shells; "
-                "use explicit_shell"
-            )
+            raise ModelError(f"{what}: its law is for solids, its model has shells; use explicit_shell")
         if not 0 <= self.hourglass <= 1:
-            raise ModelError(
-                f"explicit sub-domain '{self.name}': the hourglass stiffness is a fraction, 0 to 1, got "
-                f"{self.hourglass}"
-            )
+            raise ModelError(f"{what}: the hourglass stiffness is a fraction, 0 to 1, got {self.hourglass}")
         densities = (self.law.elastic.density, self._density)
-        check_law(f"explicit sub-domain '{self.name}'", self.law, densities, self.deletion)
+        check_law(what, self.law, densities, self.deletion)
 
     @cached_property
     def masses(self) -> FloatArray:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from supple.methods.explicit.frame_moments import Moments, Spread, arms, spread
-from supple.methods.explicit.frame_points import CORNERS
+from supple.methods.explicit.frame_points import CORNERS, LINKS
 from supple.methods.explicit.spin_stiffness import spin_products
 
 __all__ = [
@@ -18,10 +19,17 @@ __all__ = [
     "StepLengths",
     "elastic_force",
     "gravity_force",
+    "link_residual",
+    "link_rows",
+    "link_vectors",
     "point_forces",
     "spin_force",
     "step_kinetic_energy",
 ]
+
+
+# NumPy, not JAX: a process that has only imported this module may still fork.
+_SIGNS = np.eye(4)[LINKS[:, 0]] - np.eye(4)[LINKS[:, 1]]
 
 
 class FrameModel(NamedTuple):
@@ -119,3 +127,19 @@ def step_kinetic_energy(model: FrameModel, state: FrameState, h: Array | float) 
     C = jnp.einsum("k,ijkl,l->ij", vy, model.moments.C, vy)
     twice = jnp.sum(vp * (sums.Xi @ vp)) + 2 * jnp.sum(((sums.Q @ vy) @ P.T) * vp) + jnp.sum((P.T @ P) * C)
     return 0.5 * twice
+
+
+def link_vectors(p: Array) -> Array:
+    """Vectors d = x_I - x_J (6, 3) of points p (4, 3), or their rates from those of the points."""
+    return jnp.asarray(_SIGNS) @ p
+
+
+def link_residual(p: Array, squared_lengths: Array) -> Array:
+    """Residuals D = 1/2 (|x_I - x_J|^2 - L^2) of the six rigid links between the points, (6,), m^2."""
+    d = link_vectors(p)
+    return 0.5 * ((d * d).sum(axis=1) - squared_lengths)
+
+
+def link_rows(vectors: Array) -> Array:
+    """G = dD/dp (6, 12) for link vectors (6, 3)."""
+    return (jnp.asarray(_SIGNS)[:, :, None] * vectors[:, None, :]).reshape(6, 12)

@@ -28,9 +28,11 @@ from supple.methods.explicit.frame_model import (
     Generalized,
     StepLengths,
     elastic_force,
+    link_residual,
+    link_rows,
+    link_vectors,
 )
 from supple.methods.explicit.frame_moments import Spread, arms, spread
-from supple.methods.explicit.rigid_links import link_residual, link_rows, link_vectors
 from supple.methods.explicit.spin_stiffness import spin_products
 
 __all__ = ["ProjectedDifference"]

@@ -13,7 +13,6 @@ Source: [Radioss] (9)-(25), and its routine FXLINK for `PredictedLinks`.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import jax.numpy as jnp
 from jax import Array, lax
@@ -24,29 +23,26 @@ from supple.methods.explicit.frame_model import (
     Generalized,
     StepLengths,
     elastic_force,
+    link_residual,
+    link_rows,
+    link_vectors,
 )
 from supple.methods.explicit.frame_moments import arms
-from supple.methods.explicit.rigid_links import link_residual, link_rows, link_vectors
 
 __all__ = ["ExactLinks", "LaggedGyroscopicForce", "NoGyroscopicForce", "PredictedLinks", "PublishedScheme"]
-
-
-class Links(Protocol):
-    """Scheme that keeps the distances of the points over a step."""
-
-    def accelerations(
-        self, inverse_mass: Array, free: Array, p: Array, v: Array, squared_lengths: Array, steps: StepLengths
-    ) -> tuple[Array, Array]:
-        """Accelerations (12 + k,) and multipliers (6,), from accelerations `free` without links."""
-        ...
 
 
 @dataclass(frozen=True)
 class PredictedLinks:
     """Forces along d + h v from one linear equation, which also corrects length errors of earlier steps."""
 
-    def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):
-        """See `Links`; the predicted links give the constraint and the directions of the forces."""
+    def accelerations(
+        self, inverse_mass: Array, free: Array, p: Array, v: Array, squared_lengths: Array, steps: StepLengths
+    ) -> tuple[Array, Array]:
+        """Accelerations (12 + k,) and multipliers (6,), from accelerations `free` without links.
+
+        The predicted links give the constraint and the directions of the forces.
+        """
         d, rate, h = link_vectors(p), link_vectors(v), steps.after
         rows = _padded(link_rows(d + h * rate), len(free))
         open_ = ((squared_lengths - (d * d).sum(axis=1)) / h - ((2 * d + h * rate) * rate).sum(axis=1)) / (
@@ -61,8 +57,10 @@ class PredictedLinks:
 class ExactLinks:
     """SHAKE: forces along the links at t_n such that D(p_n+1) = 0."""
 
-    def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):
-        """See `Links`; Newton's method with a frozen Jacobian, to round-off."""
+    def accelerations(
+        self, inverse_mass: Array, free: Array, p: Array, v: Array, squared_lengths: Array, steps: StepLengths
+    ) -> tuple[Array, Array]:
+        """As for `PredictedLinks`; Newton's method with a frozen Jacobian, to round-off."""
         h = steps.after
         rows = _padded(link_rows(link_vectors(p)), len(free))
         spread = inverse_mass @ rows.T
@@ -83,19 +81,11 @@ class ExactLinks:
         return free + spread @ multipliers, multipliers
 
 
-class GyroscopicForce(Protocol):
-    """The velocity-dependent force of the sub-domain."""
-
-    def force(self, model: FrameModel, p: Array, v: Array, rates: Array) -> Generalized:
-        """Force on points and modes, from the velocities half a step earlier."""
-        ...
-
-
 @dataclass(frozen=True)
 class NoGyroscopicForce:
     """No gyroscopic force, as in the open implementation."""
 
-    def force(self, model, p, v, rates):  # noqa: ARG002 - of the protocol
+    def force(self, model: FrameModel, p: Array, v: Array, rates: Array) -> Generalized:  # noqa: ARG002
         """Zero."""
         return Generalized(jnp.zeros_like(p), jnp.zeros_like(rates))
 
@@ -104,8 +94,8 @@ class NoGyroscopicForce:
 class LaggedGyroscopicForce:
     """-2 M_C^T(P') y' and -2 sum (P^T P')_ij C_ij y' at the last half step, as published."""
 
-    def force(self, model, p, v, rates):
-        """See `GyroscopicForce`; linear in the rates of points and of modes."""
+    def force(self, model: FrameModel, p: Array, v: Array, rates: Array) -> Generalized:
+        """Force on points and modes, from the velocities half a step earlier; linear in their rates."""
         P, dP = arms(p), arms(v)
         k = len(rates)
         on_modes = (P.T @ dP).reshape(9) @ (model.moments.C.reshape(9, k, k) @ rates)
@@ -120,8 +110,8 @@ class PublishedScheme:
     gyroscopic : NoGyroscopicForce() or LaggedGyroscopicForce()
     """
 
-    links: Links = field(default_factory=PredictedLinks)
-    gyroscopic: GyroscopicForce = field(default_factory=NoGyroscopicForce)
+    links: PredictedLinks | ExactLinks = field(default_factory=PredictedLinks)
+    gyroscopic: NoGyroscopicForce | LaggedGyroscopicForce = field(default_factory=NoGyroscopicForce)
 
     def step(
         self, model: FrameModel, state: FrameState, force: Generalized, steps: StepLengths
@@ -140,7 +130,7 @@ class PublishedScheme:
         vp, vy = vp + mean * a[:12].reshape(4, 3), vy + mean * a[12:]
         return FrameState(p + steps.after * vp, y + steps.after * vy, vp, vy), multipliers
 
-    def turning_work(self, model, old, new, multipliers, steps):  # noqa: ARG002 - of a scheme
+    def turning_work(self, *_: FrameModel | FrameState | Array | StepLengths) -> Array:
         """Zero: the energy error of the neglected terms remains in the balance."""
         return jnp.zeros(())
 
