@@ -34,7 +34,7 @@ def forces(subdomain, x, dx=None):
     moves[numbers] = x - subdomain.nodes if dx is None else dx
     start = own.start
     at = ElementInstant(jnp.asarray(back.T), jnp.asarray(moves.T), jnp.ones(()), start.turning.triads)
-    compiled = jax.jit(lambda at: explicit_forces(own.model, own.methods, start.time, at, start.blocks, ()))
+    compiled = jax.jit(lambda at: explicit_forces(own.model, start.time, at, start.blocks, ()))
     out = compiled(at)
     return np.asarray(out.forces[:2])[:, :, numbers], out
 
@@ -95,7 +95,7 @@ def true_limit(part):
         at = ElementInstant(
             x.reshape(3, -1), jnp.zeros_like(own.start.x), jnp.ones(()), own.start.turning.triads
         )
-        out = explicit_forces(own.model, own.methods, own.start.time, at, own.start.blocks, ())
+        out = explicit_forces(own.model, own.start.time, at, own.start.blocks, ())
         return -out.forces.sum(axis=0).ravel()
 
     K = np.asarray(jax.jit(jax.jacobian(force))(own.start.x.ravel()))

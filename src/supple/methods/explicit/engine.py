@@ -77,7 +77,7 @@ class ExplicitEngine:
         prepared = self._built
         if prepared.framed.change is not None:
             report_start(prepared.framed.change, self._run.validity)
-        return begun(prepared.model, prepared.methods, prepared.start._replace(time=jnp.asarray(time)))
+        return begun(prepared.model, prepared.start._replace(time=jnp.asarray(time)))
 
     def resumed(self, last: Solution) -> MarchState:
         """State at the end of a recorded run, exact to the last bit; ModelError for another system."""

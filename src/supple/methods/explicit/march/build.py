@@ -16,6 +16,7 @@ from supple.equations.nodal_load import PreparedLoad, prepared
 from supple.errors import ModelError
 from supple.machine import At, BaseAcceleration, Contact, DeadForce, FollowerPressure, Placed, System, Tie
 from supple.machine.laws.time_law import TimeLaw
+from supple.machine.obstacles import Obstacle
 from supple.machine.ties.meeting import meeting_nodes
 from supple.methods.explicit.march.build_blocks import explicit_blocks
 from supple.methods.explicit.march.build_frames import Framed, build_frames
@@ -94,7 +95,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     tied = [_tied(system, tie, numbers, x) for tie in ties] + skins
     _check_tied_once(tied, x)
     _check_not_held(system, tied, numbers)
-    touching, obstacle_of, pressed, of_obstacles = _touching(system, numbers, x, mass, short)
+    touching, pressed, of_obstacles = _touching(system, numbers, x, mass, short)
     framed = build_frames(system, method, MarchNodes(numbers, x, mass, skins, tied, short, pressed), time)
     model = MarchModel(
         tuple(made.blocks),
@@ -115,15 +116,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         framed.joined.machine,
         jnp.asarray(framed.joined.driven),
     )
-    methods = Methods(
-        obstacles,
-        obstacle_of,
-        framed.obstacles,
-        framed.joined.tied,
-        framed.joined.numbers,
-        framed.stores,
-        method,
-    )
+    methods = Methods(framed.joined.tied, framed.joined.numbers, framed.stores, method)
     led, rates = x.copy(), v.copy()
     for arrays, state in zip(framed.arrays, framed.states, strict=True):
         led[np.asarray(arrays.nodes)] = tied_positions(arrays, state).T
@@ -136,8 +129,8 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         if state.y.any() or state.vy.any() or system.joints:  # deformed, or moved by joints, at the start
             own = np.asarray(arrays.nodes)
             x[own], v[own] = led[own], rates[own]
-    start = _start(model, methods, x, v, framed, made.triads())
-    start = begun(model, methods, start._replace(time=jnp.asarray(time)))
+    start = _start(model, method, x, v, framed, obstacles, made.triads())
+    start = begun(model, start._replace(time=jnp.asarray(time)))
     return Built(model, methods, start, numbers, made.spans, framed)
 
 
@@ -174,10 +167,11 @@ def _pressed(system: System, numbers: dict[str, IntArray]) -> tuple[tuple[jax.Ar
 
 def _start(
     model: MarchModel,
-    methods: Methods,
+    method: Explicit,
     x: FloatArray,
     v: FloatArray,
     framed: Framed,
+    obstacles: tuple[Obstacle, ...],
     turning: TriadState,
 ) -> MarchState:
     zero, frames = jnp.zeros(()), framed.states
@@ -192,15 +186,14 @@ def _start(
         blocks=tuple(block.start() for block in model.blocks),
         frames=frames,
         obstacles=tuple(
-            ObstacleState(jnp.zeros(3), jnp.asarray(obstacle.velocity, dtype=float))
-            for obstacle in methods.obstacles
+            ObstacleState(jnp.zeros(3), jnp.asarray(obstacle.velocity, dtype=float)) for obstacle in obstacles
         ),
         turning=turning,
         largest=zero,
-        obstacle_forces=jnp.zeros((len(methods.obstacles), 3)),
+        obstacle_forces=jnp.zeros((len(obstacles), 3)),
         energies=Energies(*(zero for _ in Energies._fields))._replace(internal=sum(held, framed.stored)),
         initial=zero,
-        ratio_bound=jnp.asarray(methods.explicit.largest_ratio),
+        ratio_bound=jnp.asarray(method.largest_ratio),
         ratio_wait=jnp.asarray(0),
         ratio_patience=jnp.asarray(1),
         smallest=jnp.ones(()),
@@ -289,23 +282,23 @@ def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray
 
 def _touching(
     system: System, numbers: dict[str, IntArray], x: FloatArray, mass: FloatArray, short: float
-) -> tuple[tuple[NodesTouching, ...], tuple[int, ...], FloatArray, float]:
+) -> tuple[tuple[NodesTouching, ...], FloatArray, float]:
     """Explicit nodes in contact, and the effect of their contacts on the step limits with all of them closed.
 
-    Returns the nodes; the numbers of their obstacles; the stiffness at each node (N,), N/m, with the share of
-    free obstacles; and the largest squared frequency of a free obstacle, 1/s^2.
+    Returns the nodes; the stiffness at each node (N,), N/m, with the share of free obstacles; and the largest
+    squared frequency of a free obstacle, 1/s^2.
     """
-    touching, obstacle_of, pressed, largest = [], [], np.zeros(len(x)), 0.0
+    touching, pressed, largest = [], np.zeros(len(x)), 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body in numbers:
             every = numbers[contact.nodes.body]
             nodes = every[system.node_numbers(contact.nodes)]
             stiffness = _stiffness(contact, mass[nodes], short)
             check_outside(contact, x[nodes], x[every])
-            touching.append(NodesTouching(jnp.asarray(nodes), jnp.asarray(stiffness)))
-            obstacle_of.append(number)
+            arrays = jnp.asarray(nodes), jnp.asarray(stiffness), jnp.zeros((0, 4)), jnp.zeros((0, 3, 0))
+            touching.append(NodesTouching(*arrays, number, contact.obstacle))
             rate = float((stiffness / mass[nodes]).max())
             with_obstacle = rate + recoil(contact.obstacle, x[nodes], stiffness)
             np.add.at(pressed, nodes, stiffness * (with_obstacle / rate))
             largest = max(largest, with_obstacle)
-    return tuple(touching), tuple(obstacle_of), pressed, largest
+    return tuple(touching), pressed, largest

@@ -46,7 +46,7 @@ class Framed:
     """Frames of the model.
 
     frames : parts and bodies in the order of the model, with their integrated modes
-    arrays, states : arrays and initial state of each frame;   obstacles : numbers of its obstacles
+    arrays, states : arrays and initial state of each frame
     surfaces : contacts between parts;   contact_rate : largest stiffness of contacts over the mass of a node
         without a tie, 1/s^2
     joined : ties, joints and step limits
@@ -59,7 +59,6 @@ class Framed:
     frames: dict[str, ModalFrame]
     arrays: tuple[FrameArrays, ...]
     states: tuple[FrameState, ...]
-    obstacles: tuple[tuple[int, ...], ...]
     surfaces: tuple[TouchingSurface, ...]
     contact_rate: float
     joined: JoinedFrames
@@ -72,16 +71,15 @@ class Framed:
 
 def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: float) -> Framed:
     """Frames of a model that starts at a time."""
-    frames, arrays, states, obstacles, penalties, recoils = {}, [], [], [], {}, {}
+    frames, arrays, states, penalties, recoils = {}, [], [], {}, {}
     for part in (placed for placed in system.bodies if placed.body.has_frame):
         name = part.body.name
         own = [each for each in nodes.tied if each.part == name]
-        frames[name], own_arrays, state, touched, penalties[name], recoils[name] = _frame(
+        frames[name], own_arrays, state, penalties[name], recoils[name] = _frame(
             system, part, own, nodes.mass, nodes.x
         )
         arrays.append(own_arrays)
         states.append(state)
-        obstacles.append(touched)
     surfaces, contact_rate, between = touching_surfaces(system, nodes, frames)
     pressed = {}
     for place, (name, frame) in enumerate(frames.items()):
@@ -113,7 +111,6 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
         frames,
         tuple(arrays),
         tuple(states),
-        tuple(obstacles),
         surfaces,
         contact_rate,
         joined,
@@ -164,8 +161,8 @@ def _joined_start(
 
 def _frame(
     system: System, part: Placed, tied: list[TiedNodes], mass: FloatArray, x: FloatArray
-) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None, float]:
-    """Frame, its arrays, state, obstacles, their penalties, and squared frequency of a free obstacle."""
+) -> tuple[ModalFrame, FrameArrays, FrameState, FloatArray | None, float]:
+    """Frame, its arrays, state, the penalties of its obstacles, and squared frequency of a free obstacle."""
     body = RigidFrame(part.body) if isinstance(part.body, RigidBody) else part.body
     assert isinstance(body, RigidFrame | ModalSubdomain)
     nodes = np.concatenate([each.nodes for each in tied] or [np.empty(0, dtype=np.int64)])
@@ -175,7 +172,7 @@ def _frame(
         or [np.empty((0, 3, body.n_modes))]
     )
     frame = modal_frame(body, local, shapes, mass[nodes])
-    touching, touched, stiffest, largest = [], [], None, 0.0
+    touching, stiffest, largest = [], None, 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body == body.name:
             own = system.node_numbers(contact.nodes)
@@ -188,9 +185,10 @@ def _frame(
                     jnp.asarray(stiffness),
                     jnp.asarray(frame.weights(own)),
                     jnp.asarray(frame.shapes[own]),
+                    number,
+                    contact.obstacle,
                 )
             )
-            touched.append(number)
             added = frame.penalty_stiffness(own, stiffness)
             if (back := recoil(contact.obstacle, nodes_at[own], stiffness)) > 0:
                 alone = float(linalg.eigh(added, frame.pencil()[0], eigvals_only=True)[-1])
@@ -211,7 +209,7 @@ def _frame(
     )
     rates = np.concatenate([part.twist, part.coordinate_rates])
     start = placed_state(frame, part.position, part.rotation, part.coordinates, rates)
-    return frame, arrays, start, tuple(touched), stiffest, largest
+    return frame, arrays, start, stiffest, largest
 
 
 def _modal_stiffness(contact: Contact, frame: ModalFrame, nodes: IntArray) -> FloatArray:

@@ -8,21 +8,20 @@ import jax.numpy as jnp
 from jax import Array
 
 from supple.methods.explicit.frame_model import material_points
-from supple.methods.explicit.march.march_model import MarchModel, MarchState, Methods
-from supple.methods.explicit.march.nodal_forces import penalty
+from supple.methods.explicit.march.march_model import MarchModel, MarchState
 from supple.methods.explicit.march.touching_surface import projected, pushes
 
 __all__ = ["contact_energy", "march_contact_forces"]
 
 
-def march_contact_forces(model: MarchModel, methods: Methods, state: MarchState) -> Array:
+def march_contact_forces(model: MarchModel, state: MarchState) -> Array:
     """Force on the nodes of each contact, N, and their mean position weighted by the size of their forces.
 
     Returns (c, 6), contacts with rigid obstacles first, then those between parts. Without contact, the
     position is the mean of the nodes.
     """
     found: dict[int, Array] = {}
-    for number, push, x, _ in _pushes(model, methods, state):
+    for number, push, x, _ in _pushes(model, state):
         size = jnp.sqrt((push * push).sum(axis=0))
         share = jnp.where(size.sum() > 0, size, 1.0)
         place = (share * x).sum(axis=1) / share.sum()
@@ -32,27 +31,21 @@ def march_contact_forces(model: MarchModel, methods: Methods, state: MarchState)
     return jnp.stack([found[number] for number in range(len(found))])
 
 
-def contact_energy(model: MarchModel, methods: Methods, state: MarchState) -> Array:
+def contact_energy(model: MarchModel, state: MarchState) -> Array:
     """Energy stored in all penalties at an instant, J."""
-    own = (0.5 * jnp.sum(push * push / k) for _, push, _, k in _pushes(model, methods, state))
+    own = (0.5 * jnp.sum(push * push / k) for _, push, _, k in _pushes(model, state))
     return sum(own, jnp.zeros(()))
 
 
-def _pushes(
-    model: MarchModel, methods: Methods, state: MarchState
-) -> Iterator[tuple[int, Array, Array, Array]]:
+def _pushes(model: MarchModel, state: MarchState) -> Iterator[tuple[int, Array, Array, Array]]:
     """Number of each contact, forces (3, n) on its nodes, their positions (3, n) and stiffness (n,)."""
-    for touching, number in zip(model.touching, methods.obstacle_of, strict=True):
-        x = state.x[:, touching.nodes]
-        push = penalty(methods.obstacles[number], state.obstacles[number], touching, x)
-        yield number, push, x, touching.stiffness
-    for arrays, own, numbers in zip(model.frames, state.frames, methods.frame_obstacles, strict=True):
-        for touching, number in zip(arrays.touching, numbers, strict=True):
-            assert touching.weights is not None
-            assert touching.shapes is not None
-            x = material_points(touching.weights, touching.shapes, own.p, own.y).T
-            push = penalty(methods.obstacles[number], state.obstacles[number], touching, x)
-            yield number, push, x, touching.stiffness
-    for number, surface in enumerate(model.surfaces, len(methods.obstacles)):
+    touching = [(each, state.x[:, each.nodes]) for each in model.touching]
+    for arrays, own in zip(model.frames, state.frames, strict=True):
+        touching += [
+            (each, material_points(each.weights, each.shapes, own.p, own.y).T) for each in arrays.touching
+        ]
+    for each, x in touching:
+        yield each.number, each.push(state.obstacles, x), x, each.stiffness
+    for number, surface in enumerate(model.surfaces, len(state.obstacles)):
         push = pushes(surface, projected(surface, state.x))
         yield number, push, state.x[:, surface.nodes], surface.stiffness

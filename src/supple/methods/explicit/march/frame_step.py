@@ -22,7 +22,6 @@ from supple.methods.explicit.frame_model import (
 from supple.methods.explicit.frame_moments import spread
 from supple.methods.explicit.march.frame_forces import frame_forces, gravity_at, joint_gaps, joint_rows
 from supple.methods.explicit.march.march_model import FrameArrays, MarchModel, MarchState, Methods
-from supple.methods.explicit.march.nodal_forces import penalty
 from supple.methods.explicit.modal_tie import tied_gap, tied_rows
 from supple.methods.explicit.projected_difference import ProjectedDifference
 
@@ -52,7 +51,7 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
     """All frames from t_n to t_n + h, under the forces at t_n."""
     steps = StepLengths(state.frame_before, h)
     forces = []
-    on_obstacles = jnp.zeros((len(methods.obstacles), 3))
+    on_obstacles = jnp.zeros_like(state.obstacle_forces)
     gravity = gravity_at(model, state.time)
     # The weight of the nodes tied to a frame is included in the frame's own mass.
     pulls = state.forces.sum(axis=0) - model.mass * gravity[:, None]
@@ -60,18 +59,14 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
     acting = frame_forces(
         model.machine, methods.stores, model.frames, state.frames, state.time, state.control
     )
-    for arrays, own, numbers, given, stored, dragged in zip(
-        model.frames, state.frames, methods.frame_obstacles, *acting, strict=True
-    ):
+    for arrays, own, given, stored, dragged in zip(model.frames, state.frames, *acting, strict=True):
         external = gravity_force(spread(arrays.model.moments, own.y), own.p, gravity) + given
         contact = Generalized(jnp.zeros((4, 3)), jnp.zeros_like(own.y))
-        for touching, number in zip(arrays.touching, numbers, strict=True):
-            assert touching.weights is not None
-            assert touching.shapes is not None
-            x = material_points(touching.weights, touching.shapes, own.p, own.y)
-            push = penalty(methods.obstacles[number], state.obstacles[number], touching, x.T)
-            contact = contact + point_forces(touching.weights, touching.shapes, own.p, own.y, push.T)
-            on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
+        for touching in arrays.touching:
+            points = touching.weights, touching.shapes, own.p, own.y
+            push = touching.push(state.obstacles, material_points(*points).T)
+            contact = contact + point_forces(*points, push.T)
+            on_obstacles = on_obstacles.at[touching.number].add(-push.sum(axis=1))
         pulled = point_forces(arrays.weights, arrays.shapes, own.p, own.y, pulls[:, arrays.nodes].T)
         forces.append((external, contact, pulled, stored, dragged))
     total = [a + b + c + d + e for a, b, c, d, e in forces]

@@ -263,7 +263,7 @@ def _recorded(
         tuple(frames),
         pulls,
         tuple((at.offset, at.velocity) for at in state.obstacles),
-        march_contact_forces(model, methods, state),
+        march_contact_forces(model, state),
         jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),
         state.time,
         state.steps,

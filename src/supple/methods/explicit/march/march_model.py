@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
+import jax.numpy as jnp
 from jax import Array
-from jax.tree_util import register_static
+from jax.tree_util import register_dataclass, register_static
 
 from supple.equations.configuration import ControlState
 from supple.equations.machine_model import Model
@@ -24,18 +25,35 @@ from supple.methods.explicit.modal_tie import ModalTie
 __all__ = ["Energies"]
 
 
-class NodesTouching(NamedTuple):
+class ObstacleState(NamedTuple):
+    """Displacement of an obstacle, (3,), and its velocity over the last step."""
+
+    offset: Array
+    velocity: Array
+
+
+@register_dataclass
+@dataclass(frozen=True, eq=False)
+class NodesTouching:
     """Nodes in contact with an obstacle.
 
     nodes : (n,) numbers of explicit nodes, or of nodes of a modal part
     stiffness : (n,) N/m
-    weights, shapes : (n, 4), (n, 3, k) of a modal part's points; None for explicit nodes
+    weights, shapes : (n, 4), (n, 3, k) of a modal part's points; empty for explicit nodes
+    number : number of the obstacle
     """
 
     nodes: Array
     stiffness: Array
-    weights: Array | None = None
-    shapes: Array | None = None
+    weights: Array
+    shapes: Array
+    number: int = field(metadata={"static": True})
+    obstacle: Obstacle = field(metadata={"static": True})
+
+    def push(self, obstacles: tuple[ObstacleState, ...], x: Array) -> Array:
+        """Forces (3, n) of the obstacle on points x (3, n)."""
+        gap, normal = self.obstacle.gap(x - obstacles[self.number].offset[:, None])
+        return self.stiffness * jnp.maximum(-gap, 0.0) * normal
 
 
 class FrameArrays(NamedTuple):
@@ -97,18 +115,12 @@ class MarchModel(NamedTuple):
 class Methods:
     """Static arguments of the compiled time integration.
 
-    obstacles : obstacles of the rigid contacts, in their order
-    frame_obstacles : numbers of the obstacles in contact with each frame
-    obstacle_of : number of the obstacle of each contact of explicit nodes
     tied : numbers of the two frames of each tie
     joined : numbers of the frames with ties or joints, ascending
     stores : for each group of force elements on frames, whether it stores energy
     explicit : Explicit     options of the run
     """
 
-    obstacles: tuple[Obstacle, ...]
-    obstacle_of: tuple[int, ...]
-    frame_obstacles: tuple[tuple[int, ...], ...]
     tied: tuple[tuple[int, int], ...]
     joined: tuple[int, ...]
     stores: tuple[bool, ...]
@@ -136,13 +148,6 @@ class Energies(NamedTuple):
     damping: Array
     interface: Array
     external: Array
-
-
-class ObstacleState(NamedTuple):
-    """Displacement of an obstacle, (3,), and its velocity over the last step."""
-
-    offset: Array
-    velocity: Array
 
 
 class MarchState(NamedTuple):

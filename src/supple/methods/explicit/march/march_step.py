@@ -29,9 +29,7 @@ __all__ = ["begun", "kinetic", "march_step"]
 def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array, ratio: Array) -> MarchState:
     """The state after one frame step, which is `ratio` element steps of h."""
     if not model.frames:
-        return nodal_step(
-            model, methods, state, h, jnp.zeros_like(state.v), jnp.zeros((len(methods.obstacles), 3))
-        )
+        return nodal_step(model, state, h, jnp.zeros_like(state.v), jnp.zeros_like(state.obstacle_forces))
     long = ratio * h
     done = frame_step(model, methods, state, long)
     tied_rates = state.v
@@ -53,7 +51,7 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
         end = frame_states(model.machine, model.frames, done.frames, state.time + long, state.control, long)
         state = state._replace(control=stepped(model.machine, end))
     state = lax.fori_loop(
-        0, ratio, lambda _, s: nodal_step(model, methods, s, h, tied_rates, done.on_obstacles), state
+        0, ratio, lambda _, s: nodal_step(model, s, h, tied_rates, done.on_obstacles), state
     )
     # Tied nodes end at their positions on the frame, to round-off.
     x = state.x
@@ -63,7 +61,7 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
 
 
 def nodal_step(
-    model: MarchModel, methods: Methods, state: MarchState, h: Array, tied_rates: Array, from_frames: Array
+    model: MarchModel, state: MarchState, h: Array, tied_rates: Array, from_frames: Array
 ) -> MarchState:
     """The explicit nodes after a step h; those tied to frames move at the rates `tied_rates` (3, N)."""
     mean = 0.5 * (state.before + h)
@@ -80,7 +78,7 @@ def nodal_step(
     x = state.x + h * v
     turning, spun, dragged = turned(model.spins, state.turning, mean, h)
     at = ElementInstant(x, h * v, h, turning.triads)
-    out = explicit_forces(model, methods, state.time + h, at, state.blocks, obstacles)
+    out = explicit_forces(model, state.time + h, at, state.blocks, obstacles)
     works = mean * (state.forces * middle).sum(axis=(1, 2))
     on_tied = mean * jnp.sum(jnp.where(tied, state.forces.sum(axis=0) * middle, 0.0))
     gravity = gravity_at(model, state.time)
@@ -121,11 +119,11 @@ def _moved(
     """Obstacles after a step, external work (drives and gravity), and work of contact on all of them."""
     moved, driven, given, gravity = [], jnp.zeros(()), jnp.zeros(()), gravity_at(model, state.time)
     for number, at in enumerate(state.obstacles):
-        force = state.obstacle_forces[number] + from_frames[number]
-        velocity = at.velocity + mean * (force / model.obstacle_mass[number] + _fall(model, number, gravity))
+        force, mass = state.obstacle_forces[number] + from_frames[number], model.obstacle_mass[number]
+        fall = jnp.where(jnp.isinf(mass), 0.0, gravity)
+        velocity = at.velocity + mean * (force / mass + fall)
         work = mean * force @ (0.5 * (at.velocity + velocity))
         given = given + work
-        mass = model.obstacle_mass[number]
         weight = jnp.where(jnp.isinf(mass), 0.0, mass) * gravity
         fallen = mean * weight @ (0.5 * (at.velocity + velocity))
         driven = driven + jnp.where(jnp.isinf(mass), -work, fallen)
@@ -133,16 +131,12 @@ def _moved(
     return tuple(moved), driven, given
 
 
-def _fall(model: MarchModel, number: int, gravity: Array) -> Array:
-    return jnp.where(jnp.isinf(model.obstacle_mass[number]), 0.0, gravity)
-
-
-def _begun(model: MarchModel, methods: Methods, state: MarchState) -> MarchState:
+def _begun(model: MarchModel, state: MarchState) -> MarchState:
     """The initial state of a run with its forces and energy."""
     at = ElementInstant(state.x, jnp.zeros_like(state.x), jnp.ones(()), state.turning.triads)
-    out = explicit_forces(model, methods, state.time, at, state.blocks, state.obstacles)
+    out = explicit_forces(model, state.time, at, state.blocks, state.obstacles)
     turning = state.turning._replace(moments=out.moments)
-    pressed = contact_energy(model, methods, state)
+    pressed = contact_energy(model, state)
     initial = kinetic(model, state) + state.energies.internal + pressed
     return state._replace(
         forces=out.forces,

@@ -8,13 +8,12 @@ import jax.numpy as jnp
 from jax import Array
 
 from supple.equations.nodal_load import nodal_forces
-from supple.machine.obstacles import Obstacle
 from supple.methods.explicit.elements import BlockState, ElementInstant
 from supple.methods.explicit.march.frame_forces import gravity_at
-from supple.methods.explicit.march.march_model import MarchModel, Methods, NodesTouching, ObstacleState
+from supple.methods.explicit.march.march_model import MarchModel, ObstacleState
 from supple.methods.explicit.march.touching_surface import surface_penalty
 
-__all__ = ["AssembledForces", "explicit_forces", "penalty"]
+__all__ = ["AssembledForces", "explicit_forces"]
 
 
 class AssembledForces(NamedTuple):
@@ -36,7 +35,6 @@ class AssembledForces(NamedTuple):
 
 def explicit_forces(
     model: MarchModel,
-    methods: Methods,
     time: Array,
     at: ElementInstant,
     blocks: tuple[BlockState, ...],
@@ -56,11 +54,11 @@ def explicit_forces(
         plastic = plastic if out.plastic is None else plastic + out.plastic
         viscous = viscous if out.viscous is None else viscous + out.viscous
         smallest = smallest if out.smallest is None else jnp.minimum(smallest, out.smallest)
-    contact, on_obstacles = jnp.zeros_like(x), jnp.zeros((len(methods.obstacles), 3))
-    for touching, number in zip(model.touching, methods.obstacle_of, strict=True):
-        push = penalty(methods.obstacles[number], obstacles[number], touching, x[:, touching.nodes])
+    contact, on_obstacles = jnp.zeros_like(x), jnp.zeros((len(obstacles), 3))
+    for touching in model.touching:
+        push = touching.push(obstacles, x[:, touching.nodes])
         contact = contact.at[:, touching.nodes].add(push)
-        on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
+        on_obstacles = on_obstacles.at[touching.number].add(-push.sum(axis=1))
     for surface in model.surfaces:
         contact = contact + surface_penalty(surface, x)
     external = model.mass * gravity_at(model, time)[:, None]
@@ -77,9 +75,3 @@ def explicit_forces(
         viscous,
         smallest,
     )
-
-
-def penalty(obstacle: Obstacle, at: ObstacleState, touching: NodesTouching, x: Array) -> Array:
-    """Forces (3, n) of an obstacle on points x (3, n)."""
-    gap, normal = obstacle.gap(x - at.offset[:, None])
-    return touching.stiffness * jnp.maximum(-gap, 0.0) * normal
