@@ -124,9 +124,9 @@ def test_factorisations_are_counted_as_they_are_made(full, monkeypatch):
     for name in ("exact", "symmetric"):
         original = getattr(FullTangent, name)
 
-        def counted(self, point, original=original):
+        def counted(self, *point, original=original):
             made.append(point)
-            return original(self, point)
+            return original(self, *point)
 
         monkeypatch.setattr(FullTangent, name, counted)
     solution = simulate(pendulum(full), options())
@@ -201,7 +201,7 @@ def test_the_residual_reached_is_the_one_stated(full):
 
 @pytest.mark.slow
 def test_newtons_own_iteration_takes_over_where_the_symmetric_part_is_singular(full, monkeypatch):
-    def singular(self, point):
+    def singular(self, *point):
         raise AccuracyError("singular")
 
     expected = simulate(pendulum(full), options())

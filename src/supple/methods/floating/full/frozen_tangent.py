@@ -17,7 +17,7 @@ from supple.methods.floating.full.full_state import InteriorState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.full_tangent import FullTangent
 
-__all__ = ["FrozenTangent", "frozen_tangent", "has_similar_factors", "tangent_numbers", "tangent_of"]
+__all__ = ["SIMILAR", "FrozenTangent", "frozen_tangent", "tangent_numbers", "tangent_of"]
 
 SIMILAR = 0.1
 """Largest relative difference of step factors from those of a frozen tangent that is still used."""
@@ -56,11 +56,6 @@ def frozen_tangent(
     )
     factor = FullTangent.symmetric if symmetric else FullTangent.exact
     return FrozenTangent(machine.eliminated(still, turns, factors, factor), still, turns, factors, symmetric)
-
-
-def has_similar_factors(tangent: FrozenTangent, factors: StepFactors) -> bool:
-    """Whether the step factors differ from those of the tangent by at most `SIMILAR`."""
-    return bool(np.allclose(factors, tangent.factors, rtol=SIMILAR, atol=0.0))
 
 
 def tangent_numbers(machine: FullSystem, tangent: FrozenTangent | None) -> np.ndarray:

@@ -175,8 +175,7 @@ class FullKinematicEngine:
         return np.concatenate([np.arange(part.start, part.start + 6) for part in self._machine.slices])
 
     def _of_frames(self, jacobian: np.ndarray) -> np.ndarray:
-        frames = [np.arange(part.start, part.start + 6) for part in self._machine.joint_slices]
-        return jacobian[:, np.concatenate(frames)]
+        return np.hstack([jacobian[:, part][:, :6] for part in self._machine.joint_slices])
 
     def _to_all(self, frames: np.ndarray) -> np.ndarray:
         found = np.zeros(self._machine.n)

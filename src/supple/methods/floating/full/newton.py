@@ -27,7 +27,7 @@ from collections.abc import Callable
 import numpy as np
 
 from supple.errors import AccuracyError
-from supple.methods.floating.full.frozen_tangent import FrozenTangent, has_similar_factors
+from supple.methods.floating.full.frozen_tangent import SIMILAR, FrozenTangent
 from supple.methods.floating.full.full_state import Unknowns
 from supple.methods.floating.full.implicit_step import ImplicitStep, Stepped
 
@@ -75,7 +75,7 @@ def _modified(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | Non
     at = first = step.at(predicted)
     iterations = made = 0
     symmetric = kept is None or kept.symmetric
-    if kept is not None and not has_similar_factors(kept, step.rule.factors):
+    if kept is not None and not np.allclose(step.rule.factors, kept.factors, rtol=SIMILAR, atol=0.0):
         kept = None
     while not at.converged and np.isfinite(at.distance) and iterations < step.tolerances.max_iterations:
         new = kept is None
