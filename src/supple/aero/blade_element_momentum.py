@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.aero.polar import BlendedPolars
 from supple.aero.rotor import Rotor
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.errors import ConvergenceError, ModelError
 
 __all__ = ["AirLoads", "Operation", "air_loads", "rotor_power", "rotor_thrust"]

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supple.algebra.arrays import FloatArray, IntArray
 from supple.algebra.read_only import read_only
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 
 __all__ = ["Polar"]

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from supple.aero.blade_element_momentum import Operation, air_loads
 from supple.aero.rotor import Rotor
 from supple.aero.wind import Wind
-from supple.algebra.arrays import FloatArray
 from supple.algebra.read_only import read_only
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 
 __all__ = ["CosineRamp", "NodalForces", "lumped_forces", "prescribed_forces"]

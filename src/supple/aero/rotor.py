@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from supple.aero.polar import BlendedPolars, Polar, blend_polars
-from supple.algebra.arrays import FloatArray
 from supple.algebra.read_only import read_only
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 
 __all__ = ["Rotor"]

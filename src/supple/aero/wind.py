@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supple.algebra.arrays import FloatArray
 from supple.algebra.read_only import read_only
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 
 __all__ = [

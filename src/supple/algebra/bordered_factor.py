@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from supple.algebra.sparse_factor import Matrix, SparseFactor, factorize_general, factorize_symmetric
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import AccuracyError
 
 __all__ = ["BorderedFactor", "bordered_factor"]
@@ -43,22 +43,22 @@ class BorderedFactor:
     interior: NDArray[np.intp]
     border: NDArray[np.intp]
     factor: SparseFactor
-    responses: Array
+    responses: FloatArray
     """Negative responses of the interior to unit values of the border, (n_interior, n_border)"""
     rows: sparse.csr_array
     """Coupling of the border to the interior, sparse"""
-    remainder: tuple[Array, NDArray[np.intp]]
+    remainder: tuple[FloatArray, NDArray[np.intp]]
     """L U factor of the scaled Schur complement"""
-    scales: tuple[Array, Array]
+    scales: tuple[FloatArray, FloatArray]
     """Scales of the rows and columns of the Schur complement"""
     symmetric: bool
     """Whether the interior is symmetric"""
 
-    def solve(self, loads: Array, gaps: Array | None = None) -> Array:
+    def solve(self, loads: FloatArray, gaps: FloatArray | None = None) -> FloatArray:
         """`x` (n, k) for loads `b` (n, k) and constraint values `g` (m, k), by default zero; refined once."""
         return self._refined(loads, gaps)[: self.n]
 
-    def solve_with_multipliers(self, loads: Array, gaps: Array) -> tuple[Array, Array]:
+    def solve_with_multipliers(self, loads: FloatArray, gaps: FloatArray) -> tuple[FloatArray, FloatArray]:
         """`x` (n, k) and `l` (m, k) for loads `b` (n, k) and constraint values `g` (m, k), refined once."""
         solution = self._refined(loads, gaps)
         return solution[: self.n], solution[self.n : self.n + len(gaps)]
@@ -75,7 +75,7 @@ class BorderedFactor:
         outside: Any = self.matrix[self.border][:, self.border].toarray() - self.rows @ self.responses
         return self.factor.inertia.negative + int(np.sum(np.linalg.eigvalsh((outside + outside.T) / 2) < 0))
 
-    def _refined(self, loads: Array, gaps: Array | None) -> Array:
+    def _refined(self, loads: FloatArray, gaps: FloatArray | None) -> FloatArray:
         right = np.zeros((self.matrix.shape[0], loads.shape[1]))
         right[: self.n] = loads
         if gaps is not None:
@@ -83,7 +83,7 @@ class BorderedFactor:
         solution = self._once(right)
         return solution + self._once(right - self.matrix @ solution)
 
-    def _once(self, right: Array) -> Array:
+    def _once(self, right: FloatArray) -> FloatArray:
         inner = self.factor.solve(right[self.interior])
         rows, columns = self.scales
         left = rows[:, None] * (right[self.border] - self.rows @ inner)
@@ -110,8 +110,8 @@ def bordered_factor(
     matrix: Matrix,
     constraint: Matrix,
     interior: NDArray[np.intp],
-    columns: Array | None = None,
-    weights: Array | None = None,
+    columns: FloatArray | None = None,
+    weights: FloatArray | None = None,
 ) -> BorderedFactor:
     """Factor a sparse matrix on the null space of a constraint.
 
@@ -166,7 +166,7 @@ def _singular(n: int, seen: str) -> AccuracyError:
     return AccuracyError(f"the bordered matrix of {n} freedoms is singular to working precision: {seen}")
 
 
-def _balanced(matrix: Array) -> tuple[Array, Array]:
+def _balanced(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Scales that give every row and column a largest entry near one."""
     rows, columns, sizes = np.ones(len(matrix)), np.ones(len(matrix)), abs(matrix)
     for _ in range(4):

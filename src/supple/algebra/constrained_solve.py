@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import linalg, sparse
 
 from supple.algebra.sparse_factor import DirectSolver, Matrix, SparseFactor, factorize_symmetric
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import AccuracyError, ModelError
 
 __all__ = ["ConstrainedFactor", "GroundedFactor", "constrained_factor", "grounded_factor"]
@@ -35,7 +35,7 @@ class GroundedFactor:
     """
 
     stiffness: sparse.csc_array = field(repr=False)
-    rigid_modes: Array = field(repr=False)
+    rigid_modes: FloatArray = field(repr=False)
     springs: NDArray[np.intp]
     factor: SparseFactor
 
@@ -45,7 +45,7 @@ class GroundedFactor:
         return self.factor.n
 
     @property
-    def spring_stiffness(self) -> Array:
+    def spring_stiffness(self) -> FloatArray:
         """K of the springs."""
         return _sizes(self.stiffness, self.rigid_modes)[self.springs]
 
@@ -85,7 +85,7 @@ def grounded_factor(
     return GroundedFactor(stiffness, modes, springs, factorize_symmetric(grounded, solver=solver))
 
 
-def _sizes(stiffness: sparse.csc_array, modes: Array) -> Array:
+def _sizes(stiffness: sparse.csc_array, modes: FloatArray) -> FloatArray:
     """Stiffness (n,) of each freedom; the mean of the others where only freedoms without stiffness move."""
     diagonal = stiffness.diagonal()
     stiff = diagonal > 0
@@ -94,7 +94,7 @@ def _sizes(stiffness: sparse.csc_array, modes: Array) -> Array:
     return np.where(stiff, diagonal, np.mean(diagonal[stiff]))
 
 
-def _determinate_freedoms(modes: Array) -> NDArray[np.intp]:
+def _determinate_freedoms(modes: FloatArray) -> NDArray[np.intp]:
     count = modes.shape[1]
     if count == 0:
         return np.zeros(0, dtype=np.intp)
@@ -113,23 +113,23 @@ class ConstrainedFactor:
     """Solves K x + D^T mu = b with D x = c; see `constrained_factor`."""
 
     grounded: GroundedFactor
-    constraint: Array = field(repr=False)
-    _response: Array = field(repr=False)  # K_g^-1 D^T
-    _border: tuple[Array, NDArray[np.intp]] = field(repr=False)
-    _scale: Array = field(repr=False)
+    constraint: FloatArray = field(repr=False)
+    _response: FloatArray = field(repr=False)  # K_g^-1 D^T
+    _border: tuple[FloatArray, NDArray[np.intp]] = field(repr=False)
+    _scale: FloatArray = field(repr=False)
 
     @property
     def n(self) -> int:
         """Number of freedoms."""
         return self.grounded.n
 
-    def solve(self, loads: ArrayLike | None = None, values: ArrayLike | None = None) -> Array:
+    def solve(self, loads: ArrayLike | None = None, values: ArrayLike | None = None) -> FloatArray:
         """Displacement x (n,) or (n, k) under loads b of that shape and values c (m,) or (m, k)."""
         return self.solve_with_multipliers(loads, values)[0]
 
     def solve_with_multipliers(
         self, loads: ArrayLike | None = None, values: ArrayLike | None = None
-    ) -> tuple[Array, Array]:
+    ) -> tuple[FloatArray, FloatArray]:
         """Displacement x and multipliers mu, the forces of the constraint: K x = b - D^T mu."""
         n, m = self.n, self.constraint.shape[0]
         flat = all(given is None or np.ndim(given) == 1 for given in (loads, values))
@@ -148,7 +148,7 @@ class ConstrainedFactor:
             x[:, part], mu[:, part] = self._solve(b[:, part], c[:, part])
         return (x[:, 0], mu[:, 0]) if flat else (x, mu)
 
-    def _solve(self, b: Array, c: Array) -> tuple[Array, Array]:
+    def _solve(self, b: FloatArray, c: FloatArray) -> tuple[FloatArray, FloatArray]:
         D, R = self.constraint, self.grounded.rigid_modes
         x = self.grounded.factor.solve(b) if np.any(b) else np.zeros(b.shape)
         mu = np.zeros(c.shape)
@@ -220,7 +220,7 @@ def constrained_factor(
     return factor
 
 
-def dense_rows(constraint: Any, n: int) -> Array:
+def dense_rows(constraint: Any, n: int) -> FloatArray:
     """D as a dense, read-only (m, n) array; (0, n) without a constraint.
 
     Raises ModelError for a wrong shape, or numbers that are not finite.
@@ -238,7 +238,7 @@ def dense_rows(constraint: Any, n: int) -> Array:
     return rows
 
 
-def _border_factor(border: Array, m: int) -> tuple[tuple[Array, NDArray[np.intp]], Array]:
+def _border_factor(border: FloatArray, m: int) -> tuple[tuple[FloatArray, NDArray[np.intp]], FloatArray]:
     """Scale the border, as its multipliers have the units of forces and moments, and factor it.
 
     Returns the factor and the scales (m + d,). Raises ModelError for a singular border.
@@ -287,7 +287,7 @@ def _check_equilibrium(factor: ConstrainedFactor) -> None:
         )
 
 
-def _columns(values: ArrayLike, rows: int, what: str) -> Array:
+def _columns(values: ArrayLike, rows: int, what: str) -> FloatArray:
     array = np.asarray(values, dtype=np.float64)
     if array.ndim not in (1, 2) or array.shape[0] != rows:
         raise ModelError(f"{what} have shape {array.shape}; give ({rows},) or ({rows}, k)")

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 from supple.algebra.constrained_solve import ConstrainedFactor, GroundedFactor, constrained_factor, dense_rows
 from supple.algebra.orthonormalize import mass_orthonormalize
 from supple.algebra.sparse_factor import DirectSolver, Matrix, SparseFactor, factorize_symmetric
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import AccuracyError, ModelError
 
 __all__ = ["Eigenpairs", "count_below", "lowest_modes"]
@@ -35,8 +35,8 @@ ROUNDS = 4
 class Eigenpairs(NamedTuple):
     """Eigenvalues (k,) in ascending order, rad^2/s^2, and M-orthonormal vectors (n, k)."""
 
-    values: Array
-    vectors: Array
+    values: FloatArray
+    vectors: FloatArray
 
 
 def lowest_modes(
@@ -149,7 +149,9 @@ def _same_pattern(one: sparse.csc_array, other: sparse.csc_array) -> bool:
     return np.array_equal(one.indptr, other.indptr) and np.array_equal(one.indices, other.indices)
 
 
-def _dense_modes(stiffness: sparse.csc_array, mass: sparse.csc_array, n_modes: int, D: Array) -> Eigenpairs:
+def _dense_modes(
+    stiffness: sparse.csc_array, mass: sparse.csc_array, n_modes: int, D: FloatArray
+) -> Eigenpairs:
     K, M = stiffness.toarray(), mass.toarray()
     Z = np.linalg.qr(D.T, mode="complete").Q[:, len(D) :] if len(D) else np.eye(len(K))
     K, M = Z.T @ K @ Z, Z.T @ M @ Z
@@ -163,7 +165,9 @@ def _dense_modes(stiffness: sparse.csc_array, mass: sparse.csc_array, n_modes: i
     return Eigenpairs(values, _fixed_sign(Z @ vectors))
 
 
-def _lowest_by_inverse(K: Array, M: Array, shift: float, n_modes: int) -> tuple[Array, Array]:
+def _lowest_by_inverse(
+    K: FloatArray, M: FloatArray, shift: float, n_modes: int
+) -> tuple[FloatArray, FloatArray]:
     """Lowest modes as the highest of M x = mu (K + s M) x: round-off is then relative to the lowest mode."""
     last = len(K) - 1
     try:
@@ -185,7 +189,7 @@ def _first_shift(stiffness: sparse.csc_array, mass: sparse.csc_array) -> float:
 def _shifted_factor(
     stiffness: sparse.csc_array,
     mass: sparse.csc_array,
-    D: Array,
+    D: FloatArray,
     factorize: _Factorization,
 ) -> tuple[ConstrainedFactor, float]:
     """Factor K + s M, s a small fraction of the requested eigenvalues, estimated by subspace iteration."""
@@ -251,10 +255,10 @@ def _certified_modes(
 
 def _lanczos(
     mass: sparse.csc_array, inverse: ConstrainedFactor, known: Eigenpairs, count: int, shift: float
-) -> Array:
+) -> FloatArray:
     """The next modes, M-orthogonal to the known ones, whose eigenvalues are shifted to infinity."""
 
-    def solve(load: Array) -> Array:
+    def solve(load: FloatArray) -> FloatArray:
         load = load.reshape(inverse.n, -1)
         return inverse.solve(load) - known.vectors @ (
             (known.vectors.T @ load) / (known.values + shift)[:, None]
@@ -278,8 +282,8 @@ def _lanczos(
 
 
 def _ritz(
-    mass: sparse.csc_array, inverse: ConstrainedFactor, vectors: Array, shift: float
-) -> tuple[Array, Array, Array]:
+    mass: sparse.csc_array, inverse: ConstrainedFactor, vectors: FloatArray, shift: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Best eigenvalues, M-orthonormal vectors and relative residuals in a subspace, by the inverse."""
     loads = mass @ vectors
     images = inverse.solve(loads)
@@ -292,7 +296,7 @@ def _ritz(
     return 1 / mu - shift, vectors, residuals
 
 
-def _widest_gap(values: Array, n_modes: int) -> int | None:
+def _widest_gap(values: FloatArray, n_modes: int) -> int | None:
     """Number of modes below the widest relative gap with at least n_modes below it."""
     if values.size <= n_modes:
         return None
@@ -301,13 +305,13 @@ def _widest_gap(values: Array, n_modes: int) -> int | None:
     return n_modes + widest if widths[widest] > 1e-6 else None
 
 
-def _count_negative(factor: SparseFactor, D: Array) -> int:
+def _count_negative(factor: SparseFactor, D: FloatArray) -> int:
     """Number of negative eigenvalues of a factored symmetric matrix on {x : D x = 0}."""
     flexibility = D @ factor.solve(D.T)
     signs = np.linalg.eigvalsh(0.5 * (flexibility + flexibility.T))
     return factor.inertia.negative + int(np.sum(signs > 0)) - D.shape[0]
 
 
-def _fixed_sign(vectors: Array) -> Array:
+def _fixed_sign(vectors: FloatArray) -> FloatArray:
     largest = np.take_along_axis(vectors, np.argmax(np.abs(vectors), axis=0)[None, :], axis=0)
     return vectors * np.where(largest < 0, -1.0, 1.0)

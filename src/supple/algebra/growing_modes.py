@@ -11,7 +11,7 @@ from scipy import linalg, sparse
 from supple.algebra.constrained_solve import ConstrainedFactor
 from supple.algebra.eigen import Eigenpairs, lowest_modes
 from supple.algebra.tall_matrix import TallMatrix
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import AccuracyError, ModelError
 
 __all__ = ["GrowingModes", "RitzModes"]
@@ -42,9 +42,9 @@ class RitzModes:
     weights : (m, k)        orthonormal
     """
 
-    values: Array
+    values: FloatArray
     basis: TallMatrix
-    weights: Array = field(repr=False)
+    weights: FloatArray = field(repr=False)
 
     @classmethod
     def of(cls, modes: Eigenpairs) -> RitzModes:
@@ -52,15 +52,15 @@ class RitzModes:
         return cls(modes.values, TallMatrix((modes.vectors,)), np.eye(modes.values.size))
 
     @cached_property
-    def vectors(self) -> Array:
+    def vectors(self) -> FloatArray:
         """The modes (n, k)."""
         return self.basis.times(self.weights)
 
-    def participation(self, loads: Array) -> Array:
+    def participation(self, loads: FloatArray) -> FloatArray:
         """Work (k, b) of loads (n, b) on each mode, Phi^T loads."""
         return self.weights.T @ self.basis.transposed_times(loads)
 
-    def combine(self, amounts: Array) -> Array:
+    def combine(self, amounts: FloatArray) -> FloatArray:
         """The motion Phi @ amounts (n, b) of amounts (k, b)."""
         return self.basis.times(self.weights @ amounts)
 
@@ -179,7 +179,7 @@ class GrowingModes:
         count = mu.size if converged.all() else int(np.argmin(converged))
         return RitzModes(1 / mu[:count], self.basis, weights[:, :count])
 
-    def _orthonormal(self, block: Array) -> tuple[Array, Array, Array]:
+    def _orthonormal(self, block: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Q, M Q, R with block = Q R, Q^T M Q = I; by Cholesky, repeated for lost digits."""
         inertia, lower = block, np.eye(self.width)
         triangle = lower
@@ -197,6 +197,6 @@ class GrowingModes:
         return block, linalg.solve_triangular(lower, inertia.T, lower=True).T, triangle
 
 
-def _fills_a_block(values: Array, width: int) -> bool:
+def _fills_a_block(values: FloatArray, width: int) -> bool:
     """Whether `width` of the values are equal: this eigenvalue may then have more copies than were found."""
     return bool(np.any(values[width - 1 :] <= (1 + CLOSE) * values[: max(values.size - width + 1, 0)]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from supple.algebra.sparse_factor import Matrix
-from supple.arrays import Array
+from supple.arrays import FloatArray
 
 __all__ = ["largest_vector"]
 
@@ -18,7 +18,7 @@ ROUNDING = 1e-12
 """Largest relative rounding error of the bound over all times."""
 
 
-def largest_vector(rows: Matrix, coordinates: Array) -> tuple[float, int]:
+def largest_vector(rows: Matrix, coordinates: FloatArray) -> tuple[float, int]:
     """Largest length of the vectors `R_p q(t)` of a motion, and the index of the time.
 
         f(q) = max_p |R_p q|,    f(q) <= f(q_k) + sum_j |q - q_k|_j f(e_j)
@@ -61,7 +61,7 @@ def largest_vector(rows: Matrix, coordinates: Array) -> tuple[float, int]:
     return float(values[place]), int(known[place])
 
 
-def _lengths(rows: Matrix, coordinates: Array) -> Array:
+def _lengths(rows: Matrix, coordinates: FloatArray) -> FloatArray:
     """Values (t,) of `f` at some times."""
     found = np.empty(len(coordinates))
     for start in range(0, len(found), AT_ONCE):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from supple.algebra.sparse_factor import SparseFactor
-from supple.arrays import Array
+from supple.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,18 +25,18 @@ class LowRankUpdate:
     """
 
     factor: SparseFactor
-    columns: Array
-    weights: Array
+    columns: FloatArray
+    weights: FloatArray
 
-    def solve(self, loads: ArrayLike) -> Array:
+    def solve(self, loads: ArrayLike) -> FloatArray:
         """Solve for loads (n,) or (n, k); the solution has the same shape."""
         y = self.factor.solve(loads)
         return y - self._responses @ np.linalg.solve(self._capacitance, self.columns.T @ y)
 
     @cached_property
-    def _responses(self) -> Array:
+    def _responses(self) -> FloatArray:
         return self.factor.solve(self.columns)
 
     @cached_property
-    def _capacitance(self) -> Array:
+    def _capacitance(self) -> FloatArray:
         return np.diag(1 / self.weights) + self.columns.T @ self._responses

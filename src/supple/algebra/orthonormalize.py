@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra.sparse_factor import Matrix
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import AccuracyError, ModelError
 
 __all__ = ["OrthonormalBasis", "mass_orthonormalize"]
@@ -20,7 +20,7 @@ LARGEST_GRAM_ERROR = 1e-10
 class OrthonormalBasis(NamedTuple):
     """M-orthonormal columns, and the numbers of the given columns kept and dropped."""
 
-    vectors: Array
+    vectors: FloatArray
     kept: NDArray[np.intp]
     dropped: NDArray[np.intp]
 
@@ -91,7 +91,7 @@ def mass_orthonormalize(
     return OrthonormalBasis(result, chosen, np.setdiff1d(np.arange(count), chosen))
 
 
-def _mass_norms(columns: Array, mass: Matrix) -> Array:
+def _mass_norms(columns: FloatArray, mass: Matrix) -> FloatArray:
     squares = np.sum(columns * (mass @ columns), axis=0)
     if np.any(squares < 0):
         worst = int(np.argmin(squares))

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import AccuracyError, ModelError, SuppleWarning
 
 __all__ = [
@@ -57,7 +57,7 @@ class Inertia(NamedTuple):
 class RawFactor(NamedTuple):
     """Functions of a library's factor: solve, count signs, refactor with new values."""
 
-    solve: Callable[[Array], Array]
+    solve: Callable[[FloatArray], FloatArray]
     inertia: Callable[[], Inertia]
     refactorize: Callable[[sparse.csc_array], RawFactor]
 
@@ -117,7 +117,7 @@ def _rslab() -> Any:
     return importlib.import_module("rslab")
 
 
-def _solve_with_rslab(factor: Any, b: Array) -> Array:
+def _solve_with_rslab(factor: Any, b: FloatArray) -> FloatArray:
     return factor.solve(b[:, 0])[:, None] if b.shape[1] == 1 else factor.solve_many(np.ascontiguousarray(b))
 
 
@@ -194,7 +194,7 @@ class SparseFactor:
             self._raw = self._again(self._matrix)
         return self._raw
 
-    def solve(self, loads: ArrayLike) -> Array:
+    def solve(self, loads: ArrayLike) -> FloatArray:
         """Solve A x = b for loads of shape (n,) or (n, k); the solution has the same shape."""
         b = np.asarray(loads, dtype=np.float64)
         if b.ndim not in (1, 2) or b.shape[0] != self.n:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from supple.arrays import Array
+from supple.arrays import FloatArray
 
 __all__ = ["TallMatrix"]
 
@@ -21,18 +21,18 @@ class TallMatrix:
     blocks : (n, m_i) each
     """
 
-    blocks: tuple[Array, ...] = field(repr=False)
+    blocks: tuple[FloatArray, ...] = field(repr=False)
 
     @property
     def n_columns(self) -> int:
         """m, of all blocks together."""
         return sum(block.shape[1] for block in self.blocks)
 
-    def with_block(self, block: Array) -> TallMatrix:
+    def with_block(self, block: FloatArray) -> TallMatrix:
         """[Q block]."""
         return TallMatrix((*self.blocks, block))
 
-    def times(self, amounts: Array) -> Array:
+    def times(self, amounts: FloatArray) -> FloatArray:
         """Q amounts, (n, k) from (m, k)."""
         ends = np.cumsum([block.shape[1] for block in self.blocks])
         parts = np.split(amounts, ends[:-1])
@@ -41,6 +41,6 @@ class TallMatrix:
             total += block @ part
         return total
 
-    def transposed_times(self, vectors: Array) -> Array:
+    def transposed_times(self, vectors: FloatArray) -> FloatArray:
         """Q^T vectors, (m, k) from (n, k)."""
         return np.vstack([block.T @ vectors for block in self.blocks])

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import BodyInterface, moves_rigidly_with
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from supple.algebra.arrays import IntArray
+from supple.arrays import IntArray
 from supple.body.deck_body import deck_connections, deck_mesh, deck_model, refuse_omitted_cards
 from supple.body.deck_parts import named_part
 from supple.body.finite_element_body import flexible_body

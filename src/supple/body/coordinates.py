@@ -18,8 +18,8 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from supple.algebra import factorize_symmetric
-from supple.algebra.arrays import FloatArray, IntArray
 from supple.algebra.narrow_indices import narrow_indices
+from supple.arrays import FloatArray, IntArray
 from supple.body.checks import FREEDOM_NAMES
 from supple.body.constraints import eliminate, together
 from supple.body.massless_motion import StaticallyTied, massless_motions, tie_statically

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.algebra.arrays import FloatArray, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.body.deck_parts import (
     deck_links,
     named_part,

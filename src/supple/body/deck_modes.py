@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from supple.algebra import lowest_modes
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.coordinates import coordinates, rigid_sets
 from supple.body.deck_body import deck_model
 from supple.body.deck_parts import deck_parts, with_scalar_points, without_scalar_points

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from supple.algebra.arrays import IntArray
+from supple.arrays import IntArray
 from supple.errors import ModelError, SuppleWarning, did_you_mean
 from supple.importers.deck import Deck, ScalarTerms
 from supple.importers.restricted_deck import kept_terms, restricted_deck

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.interface import Interface
 from supple.errors import ModelError
 from supple.integrate.motion import FloatingMotion

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.spatial.transform import Rotation
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.sections import Sections
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel

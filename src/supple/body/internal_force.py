@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 from scipy import sparse
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.second_order_tie import RigidSet, second_order_strains
 from supple.fem import Assembly, FiniteElementModel, QuadraticStrain, assemble_strains
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.algebra.arrays import IntArray
+from supple.arrays import IntArray
 from supple.body.flexible_body import FlexibleBody
 from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.interface import AveragingInterface, RigidInterface, connection_interface

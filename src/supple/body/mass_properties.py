@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.fem import (
     Anisotropic,

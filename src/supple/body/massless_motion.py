@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy import linalg, sparse
 
 from supple.algebra import factorize_symmetric, lowest_modes
-from supple.algebra.arrays import FloatArray, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.errors import AccuracyError, ModelError
 
 # The strain energy of a massless motion counts as zero up to this fraction of z^T diag(K) z; a pivot of the

@@ -16,7 +16,7 @@ from scipy import sparse
 from scipy.spatial import KDTree
 
 from supple.algebra import lowest_modes
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.checks import RIGID_NAMES, SYMMETRY, MatrixLike, freedom_label, rigid_force_ratios
 from supple.body.coordinates import Coordinates, coordinates, rigid_sets
 from supple.body.free_body import RIGID_TOLERANCE, freed_boundary

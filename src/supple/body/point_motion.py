@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.floating_kinematics import (
     Deforming,
     checked_nodes,

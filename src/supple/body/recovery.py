@@ -18,7 +18,7 @@ import scipy  # its parts are imported when first used
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.mass_properties import rigid_mass_properties
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError

@@ -23,7 +23,7 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
-from supple.algebra.arrays import FloatArray, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.fem import QuadraticStrain
 from supple.fem.node_sparsity import cell_nodes
 

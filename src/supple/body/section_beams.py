@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem import CoupledBeamSection, FiniteElementModel, Section, finite_element_model
 from supple.importers import SectionTable

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from supple.algebra.arrays import FloatArray
 from supple.arguments import check_fields
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, QuadraticStrain, RigidPiece
 from supple.fem.node_sparsity import cell_nodes

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.coordinates import rigid_sets
 from supple.body.interface import Interface
 from supple.body.rigid_motion import averaged_motion

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import BodyInterface
 from supple.body.rigid_motion import are_collinear

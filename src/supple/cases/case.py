@@ -9,8 +9,8 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.body import BodyForm, BodySource, FlexibleBody, FullBody
 from supple.cases.bodies import checked_line
 from supple.cases.case_inputs import inputs_of_case
@@ -38,8 +38,6 @@ from supple.storage.run_inputs import FILE, Inputs
 from supple.units import UnitSystem
 
 __all__ = ["Case"]
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,9 @@ from functools import cache, lru_cache
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from supple.arrays import IntArray
 from supple.body import BodySource, elements_source
 from supple.cases.body_kinds import kind_of, kinds_that
 from supple.cases.shared_rules import BODY_AXIS
@@ -30,8 +30,6 @@ from supple.mesh import (
     divided,
 )
 from supple.mesh.outer_faces import outer_triangles
-
-IntArray = NDArray[np.int64]
 
 
 class Split(CheckedTable):

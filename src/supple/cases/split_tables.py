@@ -10,8 +10,8 @@ from operator import getitem
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.body import FlexibleBody, connection_named
 from supple.cases.bodies import Body, NodalFixed
 from supple.cases.case_tables import CaseTables
@@ -24,8 +24,6 @@ from supple.cases.table import Made, named_in
 from supple.errors import ModelError, SuppleWarning
 from supple.machine import At
 from supple.machine.split_body import SplitBody, frequency_changes, part_name
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

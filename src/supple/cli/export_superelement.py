@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from supple.arrays import FloatArray
 from supple.body import RayleighDamping
 from supple.cases import Case, read_case
 from supple.cases.run_files import check_not_an_input
@@ -40,8 +41,6 @@ from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
 from supple.storage import read_reduced_body
 from supple.terminal import print_table, say, shown_step
-
-Matrix = NDArray[np.float64]
 
 _OF_INTERFACES: dict[str, Callable[[Path, InterfaceForm], object]] = {
     ".op4": write_output4_superelement,
@@ -196,7 +195,7 @@ def _downwards(case: Case, name: str) -> NDArray[np.float64]:
     return gravity
 
 
-def _supports(case: Case, form: InterfaceForm) -> tuple[str, dict[str, tuple[Matrix, Matrix]]]:
+def _supports(case: Case, form: InterfaceForm) -> tuple[str, dict[str, tuple[FloatArray, FloatArray]]]:
     """The interface for the tower, and stiffness and damping of bushings to the ground at others, mesh axes.
 
     It is the one interface without a joint or a bushing to the ground.
@@ -204,7 +203,7 @@ def _supports(case: Case, form: InterfaceForm) -> tuple[str, dict[str, tuple[Mat
     ends = {(joint.first, joint.second) for joint in case.tables.joint}
     held = {other for pair in ends for end, other in (pair, pair[::-1]) if end == "ground"}
     loose = [name for name in form.interfaces if f"{form.name}.{name}" not in held]
-    springs: dict[str, tuple[Matrix, Matrix]] = {}
+    springs: dict[str, tuple[FloatArray, FloatArray]] = {}
     rotation = assembled_system(case).placed(form.name).rotation
     for bushing in case.system.loads:
         if not isinstance(bushing, Bushing) or GROUND not in (bushing.first, bushing.second):

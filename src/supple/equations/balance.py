@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import jax
 
+from supple.arrays import AnyArray
 from supple.equations import (
     control_force,
     inertia,
@@ -23,12 +24,7 @@ from supple.equations import (
     marker_force,
     nodal_load,
 )
-from supple.equations.configuration import (
-    AnyArray,
-    Configuration,
-    SystemMotion,
-    turns_by_increment,
-)
+from supple.equations.configuration import Configuration, SystemMotion, turns_by_increment
 from supple.equations.floating_inertia import InertiaTerms
 from supple.equations.internal_force import InternalMatrices
 from supple.equations.joint_force import LinearizedJoints, constraint_rows, linearized

@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 
 from supple.algebra.rotation import rotation_exp, rotation_right_jacobian
 from supple.algebra.small_product import small_product
+from supple.arrays import AnyArray
 from supple.equations.machine_model import Model
-from supple.equations.places import AnyArray, over
+from supple.equations.places import over
 
 __all__ = [
-    "AnyArray",
     "Configuration",
     "ControlState",
     "ControlStep",
     "SystemMotion",
-    "Tree",
     "advance",
     "turns_by_increment",
 ]
-
-
-Tree: TypeAlias = Any
-"""A pytree of arrays."""
 
 
 class Configuration(NamedTuple):

@@ -17,7 +17,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.configuration import AnyArray, ControlState, ControlStep, SystemMotion
+from supple.arrays import AnyArray
+from supple.equations.configuration import ControlState, ControlStep, SystemMotion
 from supple.equations.ends import markers
 from supple.equations.machine_model import ControlLaw, Ends, Model
 from supple.equations.marker import (

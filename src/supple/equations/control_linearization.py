@@ -10,8 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 import scipy.linalg
 
+from supple.arrays import AnyArray
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import AnyArray, SystemMotion
+from supple.equations.configuration import SystemMotion
 from supple.equations.control_force import (
     by_body,
     driven_ends,

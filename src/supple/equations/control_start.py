@@ -8,8 +8,9 @@ from urllib.parse import quote
 import jax
 import numpy as np
 
+from supple.arrays import AnyArray
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import AnyArray, ControlState, ControlStep, SystemMotion
+from supple.equations.configuration import ControlState, ControlStep, SystemMotion
 from supple.equations.control_force import stepped
 from supple.equations.machine_model import Model
 from supple.errors import ModelError

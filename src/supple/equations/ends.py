@@ -11,7 +11,8 @@ import jax
 import jax.numpy as jnp
 
 from supple.algebra.small_product import small_product
-from supple.equations.configuration import AnyArray, Configuration
+from supple.arrays import AnyArray
+from supple.equations.configuration import Configuration
 from supple.equations.machine_model import Ends, ForceGroup, JointGroup
 from supple.equations.marker import Marker
 from supple.equations.places import MatrixBlock, Places, over

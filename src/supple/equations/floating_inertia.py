@@ -26,7 +26,7 @@ import numpy as np
 
 from supple.algebra.rotation import skew
 from supple.algebra.small_product import small_product
-from supple.equations.places import AnyArray
+from supple.arrays import AnyArray
 from supple.integrate import StepFactors
 
 __all__ = [

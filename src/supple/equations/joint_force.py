@@ -10,8 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.small_product import small_product
+from supple.arrays import AnyArray
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import AnyArray, Configuration, SystemMotion, turns_by_increment
+from supple.equations.configuration import Configuration, SystemMotion, turns_by_increment
 from supple.equations.ends import (
     blocks_on_bodies,
     columns_on_velocities,

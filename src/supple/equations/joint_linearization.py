@@ -24,6 +24,7 @@ import numpy as np
 from supple.algebra import read_only
 from supple.algebra.rotation import skew
 from supple.algebra.small_product import small_product
+from supple.arrays import AnyArray
 from supple.equations.compiler_options import STARTING
 from supple.equations.marker import (
     Marker,
@@ -33,7 +34,6 @@ from supple.equations.marker import (
     pose_at_rest,
     wrench_stiffness,
 )
-from supple.equations.places import AnyArray
 from supple.machine.pose import Pose
 from supple.programs.program_cache import CachedProgram
 

@@ -16,8 +16,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arrays import AnyArray
 from supple.equations.floating_inertia import InertiaArrays
-from supple.equations.places import AnyArray, Places, over
+from supple.equations.places import Places, over
 from supple.machine import TimeLaw
 from supple.machine.laws.constant import Constant
 from supple.machine.pose import Wrench

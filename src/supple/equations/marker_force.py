@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 import jax
 import jax.numpy as jnp
 
-from supple.equations.configuration import AnyArray, SystemMotion
+from supple.arrays import AnyArray
+from supple.equations.configuration import SystemMotion
 from supple.equations.ends import blocks_on_bodies, forces_on_bodies, markers
 from supple.equations.joint_force import all_multipliers
 from supple.equations.machine_model import ForceGroup, Model

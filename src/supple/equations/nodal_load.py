@@ -16,7 +16,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.rotation import rotation_exp, skew
-from supple.equations.configuration import AnyArray, SystemMotion
+from supple.arrays import AnyArray
+from supple.equations.configuration import SystemMotion
 from supple.equations.machine_model import STATIC, NodalLoadArrays
 from supple.machine import NodalLoad, TimeLaw
 

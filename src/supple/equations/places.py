@@ -15,10 +15,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-__all__ = ["AnyArray", "MatrixBlock", "Places", "assembled_matrix", "assembled_vector", "over"]
+from supple.arrays import AnyArray
 
-AnyArray = Any
-"""A NumPy or a JAX array: compiled and sparse methods use the same records for their states."""
+__all__ = ["MatrixBlock", "Places", "assembled_matrix", "assembled_vector", "over"]
+
 R = TypeVar("R")
 
 

@@ -9,9 +9,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arrays import AnyArray
 from supple.equations.balance import constraint_jacobian
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import AnyArray, Configuration, advance
+from supple.equations.configuration import Configuration, advance
 from supple.equations.joint_force import constraints
 from supple.equations.machine_model import Model
 from supple.errors import ConvergenceError

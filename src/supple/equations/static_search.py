@@ -31,7 +31,8 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 
 from supple.arguments import check_fields
-from supple.equations.configuration import AnyArray, Configuration
+from supple.arrays import AnyArray
+from supple.equations.configuration import Configuration
 from supple.equations.machine_model import Model
 from supple.errors import AccuracyError, ConvergenceError
 from supple.integrate import Solution

@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from supple.equations.configuration import AnyArray
+from supple.arrays import AnyArray
 from supple.integrate import FloatingMotion, FramedMotion, Motion
 from supple.machine import System
 

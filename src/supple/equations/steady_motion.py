@@ -24,9 +24,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.cross import cross_matrices
+from supple.arrays import AnyArray
 from supple.equations.balance import Balance, Linearization, tangent
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import AnyArray, Configuration, SystemMotion
+from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.control_force import resting_control
 from supple.equations.control_linearization import LinearControl, control_at_rest
 from supple.equations.joint_force import joint_rows

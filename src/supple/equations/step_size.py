@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.places import AnyArray
+from supple.arrays import AnyArray
 
 __all__ = ["next_step", "position_rounding"]
 

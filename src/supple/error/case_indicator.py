@@ -15,8 +15,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.blas_threads import one_blas_thread
 from supple.body import Damping, FullBody
 from supple.body.damping import damping_matrix
@@ -45,7 +45,6 @@ from supple.reduction.tensors import strain_products
 
 __all__ = ["ErrorIndicator", "IndicatorBody", "case_indicators", "indicator_body", "size_of_motion"]
 
-Array = NDArray[np.float64]
 
 MORE = 12
 """Smallest number of error columns besides those of the motion; at most half of them are for the given
@@ -129,7 +128,7 @@ class IndicatorBody:
 
 
 def indicator_body(
-    full: FullBody, reduced: ReducedBody, basis: ReductionBasis, coordinates: Array, fields: Array
+    full: FullBody, reduced: ReducedBody, basis: ReductionBasis, coordinates: FloatArray, fields: FloatArray
 ) -> IndicatorBody:
     """The columns of a body that many runs share.
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from supple.arrays import FloatArray
 
 __all__ = ["leading_fields"]
 
-Array = NDArray[np.float64]
 
-
-def leading_fields(columns: Array, coordinates: Array, number: int = 1, most: int | None = None) -> Array:
+def leading_fields(
+    columns: FloatArray, coordinates: FloatArray, number: int = 1, most: int | None = None
+) -> FloatArray:
     """Principal directions (n, m) of a motion X c(t), each with its root mean square size times sqrt(number).
 
     columns : (n, r) X;  coordinates : (t, r)

@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.quantities import TensorModes
 from supple.reduction import ReducedBody
@@ -27,7 +28,6 @@ from supple.storage.atomic_write import replacing
 
 __all__ = ["exudyn_arrays", "interface_nodes", "write_exudyn"]
 
-Array = NDArray[np.float64]
 
 ARM = 0.01
 """Distance from an interface to each of its six nodes, as a fraction of the body's diagonal."""
@@ -137,7 +137,7 @@ def interface_nodes(body: ReducedBody, name: str) -> list[int]:
     return list(range(first, first + 6))
 
 
-def _carried(motion: Array, arms: Array) -> Array:
+def _carried(motion: FloatArray, arms: FloatArray) -> FloatArray:
     """Displacement modes (k, 3, r) of points at arms (k, 3) from an interface: u + theta x arm."""
     translation, rotation = motion[:3], motion[3:]
     return translation + np.cross(rotation.T, arms[:, None]).swapaxes(1, 2)

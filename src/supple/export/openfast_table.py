@@ -10,12 +10,11 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.quantities import Readings
 from supple.quantities.reading import TIME, Columns
 from supple.units import UnitSystem
-
-Array = NDArray[np.float64]
 
 _FORMAT = 4
 """File format: equal time steps, values packed to 16 bits, the length of names stated in the file."""
@@ -54,13 +53,13 @@ def write_outb(path: Path, readings: Readings, units: UnitSystem) -> None:
         _write_packed(file, columns.values, scales, offsets)
 
 
-def _write_packed(file: BinaryIO, values: Array, scales: NDArray, offsets: NDArray) -> None:
+def _write_packed(file: BinaryIO, values: FloatArray, scales: NDArray, offsets: NDArray) -> None:
     for start in range(0, len(values), _ROWS):
         packed = np.rint(values[start : start + _ROWS] * scales.astype(float) + offsets.astype(float))
         file.write(packed.astype("<i2").tobytes())
 
 
-def _equal_steps(times: Array) -> tuple[float, float]:
+def _equal_steps(times: FloatArray) -> tuple[float, float]:
     """The first time and the step; ModelError for times that are not equally spaced."""
     if len(times) == 1:
         return float(times[0]), 0.0

@@ -14,6 +14,7 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.arrays import IntArray
 from supple.errors import ModelError
 from supple.fem import Anisotropic, FiniteElementModel, HomogeneousSection, Isotropic
 from supple.fem.section import Section
@@ -22,7 +23,6 @@ from supple.storage.atomic_write import replacing
 
 __all__ = ["ABAQUS", "CALCULIX", "DeckProgram", "resultant", "write_static_deck"]
 
-IntArray = NDArray[np.int64]
 
 CLAMPED, LOADED, EVERY_NODE = "SUPPLE_CLAMPED", "SUPPLE_LOADED", "SUPPLE_ALL"
 """Node sets of the deck, in addition to those of the mesh."""

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.algebra.arrays import FloatArray, IntArray
 from supple.arguments import check_numbers, checked_arguments
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 
 __all__ = ["Cycles", "Residue", "rainflow"]

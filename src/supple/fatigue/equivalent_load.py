@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from supple.algebra import read_only
-from supple.algebra.arrays import FloatArray
 from supple.arguments import Positive, check_numbers, checked_arguments
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fatigue.cycle_count import Cycles
 

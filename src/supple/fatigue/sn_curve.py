@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supple.algebra.arrays import FloatArray
 from supple.arguments import Positive, check_fields, check_ranges, checked_arguments
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fatigue.cycle_count import Cycles
 from supple.fatigue.equivalent_load import MeanCorrection

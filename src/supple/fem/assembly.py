@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, eye_array
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem import quadratic_strain
 from supple.fem.model import FiniteElementModel

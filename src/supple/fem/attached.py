@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
-from supple.algebra.arrays import FloatArray, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.fem.quadratic_strain import QuadraticStrain
 
 __all__ = ["Attached", "Constraints", "RigidPiece", "linear_strains"]

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
-from supple.algebra.arrays import IntArray
+from supple.arrays import IntArray
 from supple.errors import ModelError
 from supple.fem.attached import Attached, Constraints, RigidPiece
 from supple.fem.mass import CellMass

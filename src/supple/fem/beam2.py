@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.algebra.arrays import FloatArray
 from supple.algebra.cross import cross_matrices
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem.beam_section import MX, MY, MZ, VY, VZ, LineSection, N
 from supple.fem.mass import CellMass

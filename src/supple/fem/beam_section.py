@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.algebra.arrays import FloatArray
 from supple.algebra.cross import cross_matrix
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem.material import Isotropic, check_not_negative, lowest_scaled_eigenvalue, stiffness_matrix
 from supple.mesh import SectionGeometry

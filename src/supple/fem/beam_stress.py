@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.fem.beam2 import BeamLine
 from supple.fem.beam_section import MX, MY, MZ, VY, VZ, BeamSection, LineSection, N, RodSection
 from supple.fem.quadratic_strain import QuadraticStrain

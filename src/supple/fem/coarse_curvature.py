@@ -11,7 +11,7 @@ import warnings
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.errors import SuppleWarning
 from supple.fem.section import Section
 from supple.fem.shell_section import HomogeneousSection, LaminateSection

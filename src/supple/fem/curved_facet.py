@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.fem.kirchhoff_bending import side_directions
 from supple.fem.optimal_membrane import LAST, NEXT, linear_gradients
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 
 
 def green_lagrange_form(n_components: int, strains: tuple[tuple[int, int], ...]) -> FloatArray:

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.fem.optimal_membrane import NEXT, linear_gradients
 
 # Middle of the sides 12, 23, 31 in area coordinates; with equal weights they integrate quadratics exactly.

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, kron
 
-from supple.algebra.arrays import FloatArray
 from supple.algebra.cross import cross_matrices
 from supple.algebra.narrow_indices import narrow_indices
+from supple.arrays import FloatArray
 from supple.fem.shell_section import ShellSection
 
 __all__ = ["CellMass", "consistent_mass"]

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 
 ALPHA = 1.5
 """Weight of the drilling rotations in the constant strain (alpha_b)."""

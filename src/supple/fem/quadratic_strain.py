@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 
 __all__ = ["QuadraticStrain"]
 

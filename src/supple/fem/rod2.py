@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.fem.beam_section import RodSection
 from supple.fem.mass import CellMass
 from supple.fem.quadratic_strain import QuadraticStrain

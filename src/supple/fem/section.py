@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.algebra.arrays import FloatArray, IntArray
 from supple.arguments import check_instance
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.fem.beam_section import LineSection, RodSection
 from supple.fem.material import Anisotropic, Isotropic

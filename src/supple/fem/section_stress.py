@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.fem.beam2 import BeamLine
 from supple.fem.beam_section import BeamSection, LineSection, RodSection
 from supple.fem.beam_stress import (

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.fem.kinematics import green_lagrange_form
 
 __all__ = ["GREEN_LAGRANGE", "VON_KARMAN", "ShellKinematics"]

@@ -9,8 +9,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supple.algebra.arrays import FloatArray
 from supple.arguments import check_fields
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem.material import Isotropic, check_not_negative, lowest_scaled_eigenvalue, stiffness_matrix
 

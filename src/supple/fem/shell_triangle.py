@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem.curved_facet import bent_with_surface
 from supple.fem.kirchhoff_bending import (

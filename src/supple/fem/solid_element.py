@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.fem.kinematics import SOLID_FORM, VOIGT
 from supple.fem.material import Anisotropic, Isotropic

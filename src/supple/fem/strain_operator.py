@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import bsr_array, csc_array, csr_array
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.fem.assembly import Assembly
 from supple.fem.quadratic_strain import QuadraticStrain
 

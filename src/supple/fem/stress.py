@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem.attached import RigidPiece
 from supple.fem.beam_section import LineSection, RodSection

@@ -17,8 +17,8 @@ from typing import Any, TypedDict
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from supple.algebra.arrays import FloatArray
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray
 from supple.body import BodyForm, RigidBody
 from supple.errors import ImportFormatError, ModelError
 from supple.machine.ends import GROUND, At

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from supple.arguments import check_fields
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.body import BodyForm
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, beam_force_recovery
@@ -58,7 +58,7 @@ class BeamForceSensor:
             Channel(name, kind, axes, place) for kind, own in zip(kinds, names, strict=True) for name in own
         ]
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """(t, 6)."""
         form, cell = self._beam(system)
         node = self.model.mesh.cells[CellType.LINE2][cell, self.end - 1]

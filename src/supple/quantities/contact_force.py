@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.integrate import Solution
 from supple.machine import System
 from supple.methods.explicit import CONTACTS, OBSTACLES
@@ -22,8 +22,8 @@ class ContactForce(NamedTuple):
     """Force (t, 3) on the nodes of a contact, unit of force, and its point of action (t, 3), global axes."""
 
     name: str
-    force: Array
-    place: Array
+    force: FloatArray
+    place: FloatArray
 
 
 def contact_names(system: System) -> list[str]:
@@ -63,7 +63,7 @@ class ContactForceSensor:
         """Fx, Fy, Fz."""
         return vector_channels("global", {"F": QuantityKind.FORCE})
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """(t, 3)."""
         return {each.name: each.force for each in contact_forces(system, solution)}[self.contact]
 
@@ -82,7 +82,7 @@ class ObstacleSensor:
         """x, y, z, vx, vy, vz."""
         return vector_channels("global", {"": QuantityKind.LENGTH, "v": QuantityKind.VELOCITY})
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """(t, 6)."""
         number = contact_names(system).index(self.contact)
         return solution.series[OBSTACLES][:, 6 * number : 6 * number + 6]

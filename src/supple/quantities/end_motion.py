@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.arguments import check_fields
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.equations.build_model import initial_points
 from supple.errors import ModelError, did_you_mean
 from supple.integrate import Solution
@@ -100,7 +100,7 @@ class JointMotionSensor(OfJoint):
             Channel("speed", QuantityKind.VELOCITY, axis),
         )
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """(t, 4)."""
         joint = joint_named(system, self.joint, self.name)
         ends = both_ends(system, solution, joint, self.name)
@@ -108,7 +108,7 @@ class JointMotionSensor(OfJoint):
         return np.column_stack([_counted(np.asarray(solution.times), angle, rate), rate, slide, speed])
 
 
-def _counted(times: Array, angle: Array, rate: Array) -> Array:
+def _counted(times: FloatArray, angle: FloatArray, rate: FloatArray) -> FloatArray:
     """Angles with whole revolutions, counted from the rates."""
     if len(times) == 1:
         return angle

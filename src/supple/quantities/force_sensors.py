@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.arguments import check_fields
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.equations import balances
 from supple.equations.build_model import initial_points
 from supple.errors import ModelError
@@ -47,7 +47,7 @@ class JointForceSensor(OfJoint):
         joint_named(system, self.joint, self.name)
         return vector_channels(JOINT_AXES, LOAD)
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """(t, 6)."""
         joint_named(system, self.joint, self.name)
         return np.asarray(solution.joint_forces[self.joint])
@@ -66,7 +66,7 @@ class JointForceSensor(OfJoint):
         """Description of the quantity and its norm."""
         return f"force of joint '{self.joint}': largest over the run"
 
-    def at_points(self, system: System, solution: Solution) -> Array:
+    def at_points(self, system: System, solution: Solution) -> FloatArray:
         """Force (t, 1, 3)."""
         return self.values(system, solution)[:, None, :3]
 
@@ -85,7 +85,7 @@ class _OfElement:
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def _read(self, system: System, solution: Solution) -> Array:
+    def _read(self, system: System, solution: Solution) -> FloatArray:
         """The six of `SpringForceSensor`, stored energy, and power on both ends, (t, 8)."""
         element = self.element.assembled(*initial_points(system, self.element))
         ends = both_ends(system, solution, element, self.name)
@@ -118,7 +118,7 @@ class SpringForceSensor(_OfElement):
                 )
         return vector_channels("global", LOAD)
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """(t, 6)."""
         self.channels(system)
         return self._read(system, solution)[:, :6]
@@ -138,7 +138,7 @@ class ElementEnergySensor(_OfElement):
         check_ends(system, self.name, self.element)
         return (Channel("stored", QuantityKind.ENERGY, ""), Channel("power", QuantityKind.POWER, ""))
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """(t, 2)."""
         return self._read(system, solution)[:, 6:]
 
@@ -191,14 +191,14 @@ class EnergySensor:
             Channel(each, QuantityKind.ENERGY, "") for each in ("kinetic", "strain", "potential", "total")
         ]
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """(t, 4)."""
         self.channels(system)
         found = balances(system, solution)
         return np.column_stack([found.kinetic, found.strain, found.potential, found.total])
 
 
-def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, Array]]:
+def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, FloatArray]]:
     """Loads on the second end of each joint, along the joint axes that rotate with its first end.
 
     Returns

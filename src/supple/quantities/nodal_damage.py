@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from supple.arguments import Positive, check_fields, checked_arguments
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fatigue import Goodman, Residue, SNCurve, miner_damage, rainflow
 from supple.fem import von_mises
@@ -30,7 +30,7 @@ class StressCriterion(Protocol):
         """Number of histories per tensor, h; the one with the largest damage counts."""
         ...
 
-    def histories(self, stress: Array) -> Array:
+    def histories(self, stress: FloatArray) -> FloatArray:
         """Histories (t, k, h) from stresses (t, k, 6) at k points, components xx yy zz yz xz xy."""
         ...
 
@@ -61,7 +61,7 @@ class CriticalPlane:
         return len(self.normals)
 
     @property
-    def normals(self) -> Array:
+    def normals(self) -> FloatArray:
         """Unit vectors (h, 3) on half a sphere: circles of latitude with equally spaced vectors."""
         n_rings = int(np.ceil(0.5 * np.pi / self.spacing))
         latitudes = np.linspace(0.0, 0.5 * np.pi, n_rings + 1)
@@ -75,7 +75,7 @@ class CriticalPlane:
             rings.append(np.stack([*ring, np.full(number, np.sin(latitude))], axis=1))
         return np.concatenate(rings)
 
-    def histories(self, stress: Array) -> Array:
+    def histories(self, stress: FloatArray) -> FloatArray:
         """Normal stress n . sigma n (t, k, h) from stresses (t, k, 6)."""
         x, y, z = self.normals.T
         return stress @ np.stack([x * x, y * y, z * z, 2 * y * z, 2 * x * z, 2 * x * y])
@@ -95,7 +95,7 @@ class SignedVonMises:
         """One."""
         return 1
 
-    def histories(self, stress: Array) -> Array:
+    def histories(self, stress: FloatArray) -> FloatArray:
         """(t, k, 1) from stresses (t, k, 6)."""
         principal = principal_values(stress)
         sign = np.where(principal[..., 2] >= -principal[..., 0], 1.0, -1.0)
@@ -111,7 +111,7 @@ def hot_spot_damage(
     *,
     residue: Residue = Residue.HALF_CYCLES,
     correction: Goodman | None = None,
-) -> Array:
+) -> FloatArray:
     """Fatigue damage (N,) at nodes by a history, the largest over the layers and histories of the criterion.
 
         sigma(t) = modes.at(q(t)),    s_h = histories(sigma),    D = max_h sum_i n_i / N(S_i)

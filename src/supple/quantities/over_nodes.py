@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from supple.arrays import Array, IntArray
+from supple.arrays import FloatArray, IntArray
 
 __all__ = ["Maximum", "Mean", "Nearest", "OverNodes"]
 
@@ -18,13 +18,13 @@ class MeasuredBlock(NamedTuple):
 
     times: slice
     nodes: slice
-    values: Array
+    values: FloatArray
 
 
 class Combined(NamedTuple):
     """Channels (t, c), and indices (t, c) of the nodes with these values; None if there is no single node."""
 
-    values: Array
+    values: FloatArray
     nodes: IntArray | None
 
 
@@ -36,7 +36,7 @@ class OverNodes(Protocol):
         """Description of the value for N nodes: "largest", ..."""
         ...
 
-    def read(self, points: Array) -> IntArray:
+    def read(self, points: FloatArray) -> IntArray:
         """Indices of the nodes to evaluate, from the positions (N, 3) of all nodes."""
         ...
 
@@ -46,7 +46,7 @@ class OverNodes(Protocol):
 
 
 class _OfAllNodes:
-    def read(self, points: Array) -> IntArray:
+    def read(self, points: FloatArray) -> IntArray:
         """All nodes."""
         return np.arange(len(points))
 
@@ -92,6 +92,6 @@ class Nearest(Maximum):
 
     words: str = field(default="nearest to the centroid", init=False)
 
-    def read(self, points: Array) -> IntArray:
+    def read(self, points: FloatArray) -> IntArray:
         """The nearest node."""
         return np.array([np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))])

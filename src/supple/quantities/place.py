@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from supple.arguments import check_sequence, check_text, given
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.body import BodyForm, NodeMotion
 from supple.body.floating_kinematics import checked_nodes
 from supple.errors import ArgumentError, ModelError
@@ -42,19 +42,19 @@ class Place:
             checked_nodes(self.at, len(body.nodes))
         return body
 
-    def rest(self, body: BodyForm) -> Array:
+    def rest(self, body: BodyForm) -> FloatArray:
         """Undeformed position of the place, (3,), mesh axes."""
         if isinstance(self.at, str):
             return body.interface(self.at).position
         return body.nodes[list(self.at)].mean(axis=0)
 
-    def points(self, body: BodyForm, motion: Motion) -> Array:
+    def points(self, body: BodyForm, motion: Motion) -> FloatArray:
         """Positions (t, k, 3) of the k nodes in space, or (t, 1, 3) of the interface."""
         if isinstance(self.at, str):
             return body.interface_motion(motion, self.at).position[:, None]
         return body.positions(motion, self.at)
 
-    def point(self, body: BodyForm, motion: Motion) -> Array:
+    def point(self, body: BodyForm, motion: Motion) -> FloatArray:
         """Position (t, 3) of the interface, or mean position of the nodes, in space."""
         return _mean(self.points(body, motion))
 
@@ -83,7 +83,7 @@ def body_named(system: System, body: str, sensor: str) -> BodyForm:
     return system.placed(body, f"sensor '{sensor}'").body
 
 
-def _mean(vectors: Array) -> Array:
+def _mean(vectors: FloatArray) -> FloatArray:
     """Mean (t, 3) of vectors (t, k, 3) over the nodes."""
     # A product: `mean` over a short middle axis takes eight times as long.
     k = vectors.shape[1]

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.arguments import check_text
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.integrate import FramedMotion, Solution
 from supple.machine import GROUND, At, BaseAcceleration, System, as_end
@@ -54,7 +54,7 @@ class PositionSensor(_AtPlace):
 
     quantity = QuantityKind.LENGTH
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """R (t, 3)."""
         return self.place.point(body_named(system, self.body, self.name), solution.bodies[self.body])
 
@@ -69,7 +69,7 @@ class PositionSensor(_AtPlace):
         norm = "" if isinstance(self.place.at, str) or len(self.place.at) == 1 else "RMS over its nodes, "
         return f"position of {self.name}: {norm}largest over the run"
 
-    def at_points(self, system: System, solution: Solution) -> Array:
+    def at_points(self, system: System, solution: Solution) -> FloatArray:
         """Positions (t, k, 3) of the nodes, or of the interface."""
         return self.place.points(body_named(system, self.body, self.name), solution.bodies[self.body])
 
@@ -93,7 +93,7 @@ class VelocitySensor(_AtPlace):
 
     quantity = QuantityKind.VELOCITY
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """dr/dt (t, 3)."""
         return self.place.motion(system, solution, self.name).velocity
 
@@ -108,7 +108,7 @@ class AccelerationSensor(_AtPlace):
 
     quantity = QuantityKind.ACCELERATION
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """d2r/dt2 (t, 3)."""
         seen_from_base = self.place.motion(system, solution, self.name).acceleration
         if np.isnan(seen_from_base).all():
@@ -119,7 +119,7 @@ class AccelerationSensor(_AtPlace):
         return seen_from_base + base_acceleration(system, solution.times)
 
 
-def base_acceleration(system: System, times: Array) -> Array:
+def base_acceleration(system: System, times: FloatArray) -> FloatArray:
     """Absolute acceleration (t, 3) of the base of a machine at given times, global components."""
     bases = [load.law for load in system.loads if isinstance(load, BaseAcceleration)]
     total = np.zeros((len(times), 3))
@@ -146,7 +146,7 @@ class AngularVelocitySensor:
             body_named(system, self.at.body, self.name).interface(self.at.interface)
         return vector_channels("global", {"": QuantityKind.ANGULAR_VELOCITY})
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """W (t, 3)."""
         if self.at == GROUND:
             return np.zeros((len(solution.times), 3))
@@ -185,7 +185,7 @@ class DeflectionSensor(_AtPlace):
         seen_from = base or f"the frame of {body.name}"
         return vector_channels(f"mesh axes turning with {seen_from}", {"": self.quantity})
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """`A_p^T (r - r_p) - (x - x_p)`, (t, 3): r of the place, r_p of the interface; x, x_p undeformed."""
         self.channels(system)
         body, base = body_named(system, self.place.body, self.name), self.base(system)

@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from supple.arguments import checked_arguments
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.integrate.solution import concatenate
@@ -34,7 +34,7 @@ class Quantity(Protocol):
         """
         ...
 
-    def values(self, system: System, solution: Solution, /) -> Array:
+    def values(self, system: System, solution: Solution, /) -> FloatArray:
         """Values (t, c) at the output times, in the units of the model."""
         ...
 

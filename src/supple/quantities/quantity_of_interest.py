@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.body import BodyForm
 from supple.integrate import FramedMotion, Solution
 from supple.machine import System
@@ -45,7 +45,7 @@ class QuantityOfInterest(Protocol):
         """The body of the quantity; None for a quantity of the machine."""
         ...
 
-    def at_points(self, system: System, solution: Solution, /) -> Array:
+    def at_points(self, system: System, solution: Solution, /) -> FloatArray:
         """Values at the output times, (t, points, components)."""
         ...
 
@@ -92,7 +92,7 @@ class WholeBody:
         """Kind of the quantity: a length."""
         return QuantityKind.LENGTH
 
-    def at_points(self, system: System, solution: Solution) -> Array:
+    def at_points(self, system: System, solution: Solution) -> FloatArray:
         """Positions (t, N, 3)."""
         return system.placed(self.body, "stated error").body.positions(solution.bodies[self.body])
 
@@ -108,7 +108,7 @@ class WholeBody:
 
 
 def largest_displacement(
-    body: BodyForm, coordinates: Array, nodes: np.ndarray | slice = slice(None)
+    body: BodyForm, coordinates: FloatArray, nodes: np.ndarray | slice = slice(None)
 ) -> float:
     """Largest displacement of a node over time, relative to the first interface; without one, to the frame.
 
@@ -127,13 +127,13 @@ def largest_displacement(
     return float(max(sizes))
 
 
-def _rigid_fields(arms: Array) -> Array:
+def _rigid_fields(arms: FloatArray) -> FloatArray:
     """Displacements (6, k, 3) at points (k, 3) by unit translations, then by small rotations."""
     axes = np.eye(3)[:, None]
     return np.concatenate([np.broadcast_to(axes, (3, *arms.shape)), np.cross(axes, arms)])
 
 
-def _squares(vectors: Array) -> Array:
+def _squares(vectors: FloatArray) -> FloatArray:
     """Squared lengths (t, k) of vectors (t, k, c)."""
     return np.einsum("tkc,tkc->tk", vectors, vectors)
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from supple.algebra import read_only
 from supple.arguments import checked_arguments
-from supple.arrays import Array, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.optional_packages import optional_package
 from supple.summary import Summarized, Summary
@@ -72,9 +72,9 @@ class Located(NamedTuple):
     points : (t, c, 3)      undeformed positions of these nodes, mesh axes; None without nodes
     """
 
-    values: Array
+    values: FloatArray
     nodes: IntArray | None = None
-    points: Array | None = None
+    points: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,10 +89,10 @@ class Reading(Summarized):
 
     name: str
     channels: tuple[Channel, ...]
-    times: Array
-    values: Array
+    times: FloatArray
+    values: FloatArray
     nodes: IntArray | None = None
-    points: Array | None = None
+    points: FloatArray | None = None
 
     def __post_init__(self) -> None:
         if np.shape(self.values) != (len(self.times), len(self.channels)):
@@ -180,12 +180,12 @@ class Columns:
     values : (t, c)
     """
 
-    times: Array
+    times: FloatArray
     time_unit: str
     names: tuple[str, ...]
     units: tuple[str, ...]
     channels: tuple[Channel, ...]
-    values: Array
+    values: FloatArray
 
     @property
     def heads(self) -> Iterator[str]:

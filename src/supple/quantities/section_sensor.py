@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from supple.arguments import check_fields
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.body.sections import CuttingPlane, Sections
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
@@ -49,7 +49,7 @@ class SectionForceSensor:
             raise ModelError(f"sensor '{self.name}': {error}") from error
         return vector_channels(sections.axes, LOAD)
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """(t, 6)."""
         return self._sections(system).loads(solution.bodies[self.place.body], self._plane(system))
 

@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supple.arrays import Array, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.body import BodyForm
 from supple.body.floating_kinematics import checked_nodes
 from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
@@ -33,16 +33,16 @@ class TensorBlock(NamedTuple):
 
     times: slice
     nodes: slice
-    field: Array
+    field: FloatArray
     """(t', N', l, 6)"""
 
 
 def von_mises_history(
     body: BodyForm,
     model: FiniteElementModel,
-    coordinates: Array,
+    coordinates: FloatArray,
     nodes: ArrayLike | None = None,
-) -> Array:
+) -> FloatArray:
     """Largest von Mises stress over the layers (t, N), in the unit of stress, at coordinates (t, r).
 
     The stress of a reduced body follows from its stress modes. The stress of a full body, or of a reduced
@@ -73,7 +73,7 @@ def von_mises_history(
 
 
 def tensor_blocks(
-    tensor: NodalTensor, body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
+    tensor: NodalTensor, body: BodyForm, model: FiniteElementModel, coordinates: FloatArray, nodes: ArrayLike
 ) -> Iterator[TensorBlock]:
     """A tensor at N nodes over t times, in blocks that fit in memory.
 
@@ -90,7 +90,7 @@ def tensor_blocks(
             yield TensorBlock(times, some, modes.at(coordinates[times]))
 
 
-def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> Array:
+def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: FloatArray) -> FloatArray:
     """Von Mises stress (t, N, 1 + ends), unit of stress: largest of solids and shells, then of each beam end.
 
     The beam ends are those of `StressLayers`; the stress is zero where a node has fewer ends. Other
@@ -103,18 +103,18 @@ def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Arr
     return found
 
 
-def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Array], Array]:
+def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[FloatArray], FloatArray]:
     """Von Mises stress (t, N) at all nodes as a function of coordinates (t, r), for repeated calls.
 
     NaN at nodes without elements that have stress. Raises the errors of `von_mises_history`. Stress modes are
     computed once if they fit in 1 GiB.
     """
     nodes = nodes_with_stress(stress_recovery(model))
-    at_nodes: Callable[[Array], Array] = partial(von_mises_history, body, model, nodes=nodes)
+    at_nodes: Callable[[FloatArray], FloatArray] = partial(von_mises_history, body, model, nodes=nodes)
     if has_modes(body) and _numbers_of_modes(body, model) * len(nodes) <= _KEPT_NUMBERS:
         at_nodes = tensor_modes(STRESS, body, model, nodes).von_mises
 
-    def at_all_nodes(coordinates: Array) -> Array:
+    def at_all_nodes(coordinates: FloatArray) -> FloatArray:
         found = np.full((len(coordinates), len(body.nodes)), np.nan)
         found[:, nodes] = at_nodes(coordinates)
         return found
@@ -131,7 +131,7 @@ class LargestStress(NamedTuple):
     node: int
 
 
-def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
+def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: FloatArray) -> LargestStress:
     """The largest von Mises stress over nodes, layers and times; errors as for `von_mises_history`.
 
     All nodes are evaluated at up to two hundred output times. A hundred of these are evenly spaced; at the
@@ -155,7 +155,7 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
     return largest
 
 
-def _searched_times(coordinates: Array) -> IntArray:
+def _searched_times(coordinates: FloatArray) -> IntArray:
     """Indices of the output times at which all nodes are searched for the largest stress."""
     evenly = np.linspace(0, len(coordinates) - 1, _SEARCHED).astype(int)
     extremes = np.concatenate([coordinates.argmin(axis=0), coordinates.argmax(axis=0)])
@@ -185,7 +185,7 @@ def _numbers_of_modes(body: ReducedBody, model: FiniteElementModel) -> int:
 
 
 def _recovered(
-    body: BodyForm, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
+    body: BodyForm, recovery: StressRecovery, coordinates: FloatArray, nodes: ArrayLike | None
 ) -> Iterator[TensorBlock]:
     """A tensor field from nodal displacements, in blocks of times; only the cells at the nodes are used.
 

@@ -11,7 +11,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from supple.arguments import check_fields
-from supple.arrays import Array, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.body import BodyForm
 from supple.body.floating_kinematics import checked_nodes
 from supple.errors import ModelError
@@ -44,11 +44,11 @@ class TensorMeasure(Protocol):
         """Names of the k measures."""
         ...
 
-    def of_stress(self, tensors: Array) -> Array:
+    def of_stress(self, tensors: FloatArray) -> FloatArray:
         """Measures (..., k) from stresses (..., 6), components xx yy zz yz xz xy."""
         ...
 
-    def of_strain(self, tensors: Array) -> Array:
+    def of_strain(self, tensors: FloatArray) -> FloatArray:
         """Measures (..., k) from strains (..., 6) with engineering shear strains, same order."""
         ...
 
@@ -59,11 +59,11 @@ class VonMises:
 
     names: tuple[str, ...] = field(default=("von Mises",), init=False)
 
-    def of_stress(self, tensors: Array) -> Array:
+    def of_stress(self, tensors: FloatArray) -> FloatArray:
         """sqrt(3/2 s:s), with the stress deviator s."""
         return von_mises(tensors)[..., None]
 
-    def of_strain(self, tensors: Array) -> Array:
+    def of_strain(self, tensors: FloatArray) -> FloatArray:
         """sqrt(2/3 e:e), with the strain deviator e."""
         return von_mises_strain(tensors)[..., None]
 
@@ -83,11 +83,11 @@ class Component:
         """Name of the component."""
         return (self.name,)
 
-    def of_stress(self, tensors: Array) -> Array:
+    def of_stress(self, tensors: FloatArray) -> FloatArray:
         """The component."""
         return tensors[..., [COMPONENTS.index(self.name)]]
 
-    def of_strain(self, tensors: Array) -> Array:
+    def of_strain(self, tensors: FloatArray) -> FloatArray:
         """The component; for a shear the engineering strain."""
         return self.of_stress(tensors)
 
@@ -98,11 +98,11 @@ class Principal:
 
     names: tuple[str, ...] = field(default=("first", "second", "third"), init=False)
 
-    def of_stress(self, tensors: Array) -> Array:
+    def of_stress(self, tensors: FloatArray) -> FloatArray:
         """Eigenvalues of the stress tensor, the largest first."""
         return principal_values(tensors)[..., ::-1]
 
-    def of_strain(self, tensors: Array) -> Array:
+    def of_strain(self, tensors: FloatArray) -> FloatArray:
         """Eigenvalues of the strain tensor, the largest first."""
         return self.of_stress(tensors * [1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 
@@ -140,7 +140,7 @@ class _TensorSensor(ABC):
             for value in self.measure.names
         ]
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """Values (t, l k) of k measures in l layers, layer by layer."""
         return self.located(system, solution).values
 
@@ -163,7 +163,7 @@ class _TensorSensor(ABC):
         """Description of the quantity and its norm."""
         return f"{' and '.join(self.measure.names)} {self.name}: RMS over its nodes, largest over the run"
 
-    def at_points(self, system: System, solution: Solution) -> Array:
+    def at_points(self, system: System, solution: Solution) -> FloatArray:
         """The measure (t, N, k) at each node, in the layer of largest magnitude."""
         form, chosen = _elastic(system, self.body, self.name), self._chosen()
         coordinates = solution.motion(self.body, FramedMotion).coordinates
@@ -182,7 +182,7 @@ class _TensorSensor(ABC):
         return float(np.abs(self.at_points(system, solution)).max())
 
     @abstractmethod
-    def _measured(self, tensors: Array) -> Array:
+    def _measured(self, tensors: FloatArray) -> FloatArray:
         """Measure (..., k) of tensors (..., 6)."""
 
     def _numbers(self) -> IntArray:
@@ -235,7 +235,7 @@ class StressSensor(_TensorSensor):
 
     quantity, tensor = QuantityKind.STRESS, STRESS
 
-    def _measured(self, tensors: Array) -> Array:
+    def _measured(self, tensors: FloatArray) -> FloatArray:
         return self.measure.of_stress(tensors)
 
 
@@ -244,7 +244,7 @@ class StrainSensor(_TensorSensor):
 
     quantity, tensor = QuantityKind.STRAIN, STRAIN
 
-    def _measured(self, tensors: Array) -> Array:
+    def _measured(self, tensors: FloatArray) -> FloatArray:
         return self.measure.of_strain(tensors)
 
 

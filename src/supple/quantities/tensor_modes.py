@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from supple.arrays import Array, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.body.floating_kinematics import checked_nodes
 from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
 from supple.errors import ModelError
@@ -41,7 +41,7 @@ class NodalTensor(NamedTuple):
     """
 
     recovery: Callable[[FiniteElementModel], StressRecovery]
-    equivalent: Callable[[Array], Array]
+    equivalent: Callable[[FloatArray], FloatArray]
 
 
 STRESS = NodalTensor(stress_recovery, von_mises)
@@ -50,7 +50,7 @@ STRAIN = NodalTensor(strain_recovery, von_mises_strain)
 """Green-Lagrange strain, with engineering shears."""
 
 
-def principal_values(stress: Array) -> Array:
+def principal_values(stress: FloatArray) -> FloatArray:
     """Eigenvalues (..., 3), ascending, of tensors (..., 6)."""
     rows = stress[..., [[0, 5, 4], [5, 1, 3], [4, 3, 2]]]
     return np.asarray(np.linalg.eigvalsh(rows), dtype=np.float64)
@@ -74,9 +74,9 @@ class TensorModes:
     """
 
     nodes: IntArray
-    linear: Array
-    quadratic: Array | None
-    amplitudes: Array
+    linear: FloatArray
+    quadratic: FloatArray | None
+    amplitudes: FloatArray
     tensor: NodalTensor
     outer: tuple[int, ...]
 
@@ -90,13 +90,13 @@ class TensorModes:
         """Number of reduced coordinates."""
         return self.linear.shape[-1] - len(self.amplitudes)
 
-    def at(self, coordinates: ArrayLike) -> Array:
+    def at(self, coordinates: ArrayLike) -> FloatArray:
         """The field (..., N, l, 6) for coordinates (..., r); ModelError for another number of coordinates."""
         gamma = self._checked(coordinates)
         field = self._field(gamma.reshape(-1, self.r))
         return field.reshape(*gamma.shape[:-1], *self.linear.shape[:3])
 
-    def von_mises(self, coordinates: ArrayLike) -> Array:
+    def von_mises(self, coordinates: ArrayLike) -> FloatArray:
         """The largest von Mises equivalent (..., N) over the layers of each node, for coordinates (..., r).
 
         It is computed in the layers `outer` only, for as many coordinate vectors at a time as fit in memory.
@@ -125,7 +125,7 @@ class TensorModes:
         linear = np.ascontiguousarray(self.linear[:, layers])
         return replace(self, linear=linear, quadratic=quadratic, outer=tuple(range(len(layers))))
 
-    def _field(self, gamma: Array) -> Array:
+    def _field(self, gamma: FloatArray) -> FloatArray:
         """The field (t, N, l, 6) for coordinates (t, r)."""
         j, k = np.triu_indices(self.r)
         products = gamma[:, j] * gamma[:, k]
@@ -134,7 +134,7 @@ class TensorModes:
             field += _times(self.quadratic, products)
         return field
 
-    def _checked(self, coordinates: ArrayLike) -> Array:
+    def _checked(self, coordinates: ArrayLike) -> FloatArray:
         gamma = np.asarray(coordinates, dtype=np.float64)
         if gamma.ndim < 1 or gamma.shape[-1] != self.r:
             raise ModelError(
@@ -239,9 +239,9 @@ class _Part:
     rows: IntArray
     share: csr_array
     arrays: QuadraticStrain
-    to_field: Array
+    to_field: FloatArray
 
-    def add_to(self, field: Array, strains: Array) -> None:
+    def add_to(self, field: FloatArray, strains: FloatArray) -> None:
         """Add the tensors of strains (E, g, s, m), averaged at nodes, to a field (rows, 6, m)."""
         m = strains.shape[-1]
         tensors = (self.to_field[:, None] @ strains).reshape(-1, 6 * m)
@@ -262,7 +262,7 @@ def _parts(section: SectionStress, shares: csr_array, r: int) -> Iterator[_Part]
         yield _Part(rows, share[rows], section.arrays.of(some), to_field)
 
 
-def _pair_strains(form: Array, gradients: Array) -> Iterator[tuple[slice, Array]]:
+def _pair_strains(form: FloatArray, gradients: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
     """For each j, positions of the pairs (j, k), k >= j, among all pairs, and their strain (E, g, s, r - j).
 
     form : (s, d, d), or (E, g, s, d, d), bilinear form of the nonlinear strain
@@ -279,6 +279,6 @@ def _pair_strains(form: Array, gradients: Array) -> Iterator[tuple[slice, Array]
         start += r - j
 
 
-def _times(modes: Array, amplitudes: Array) -> Array:
+def _times(modes: FloatArray, amplitudes: FloatArray) -> FloatArray:
     """Sum of modes (N, l, 6, m) times amplitudes (t, m): (t, N, l, 6)."""
     return (amplitudes @ modes.reshape(-1, modes.shape[-1]).T).reshape(-1, *modes.shape[:-1])

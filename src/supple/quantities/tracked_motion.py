@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.body import BodyForm
 from supple.integrate import FramedMotion, Motion, Solution
 from supple.machine import At, System
@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 
-def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> Array:
+def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:
     """Positions (t, k, 3) in space of all or some nodes (k,).
 
     Raises
@@ -40,7 +40,9 @@ def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = sl
     return body.positions(motion, nodes)
 
 
-def displacement_from_axes(positions: Array, origin: ArrayLike, rotation: Array, rest: ArrayLike) -> Array:
+def displacement_from_axes(
+    positions: FloatArray, origin: ArrayLike, rotation: FloatArray, rest: ArrayLike
+) -> FloatArray:
     """Displacement A^T (r - R) - q_0 of points relative to moving axes.
 
     The tip displacement of [Wu2019] (51) is relative to the axes of the driven root. It is therefore the same
@@ -71,9 +73,9 @@ class Observer(NamedTuple):
     """
 
     name: str
-    rest: Array
-    origin: Array
-    axes: Array
+    rest: FloatArray
+    origin: FloatArray
+    axes: FloatArray
     is_elsewhere: bool = False
 
 
@@ -137,9 +139,9 @@ class TrackedMotion:
     is_elastic : bool        whether the body deforms relative to a frame
     """
 
-    position: Array
+    position: FloatArray
     seen_from: str
-    deflection: Array
+    deflection: FloatArray
     is_elastic: bool = True
 
 
@@ -193,7 +195,7 @@ def tracked_places(
     }
 
 
-def deflections(body: BodyForm, motion: Motion, seen_from: Observer | None = None) -> Array:
+def deflections(body: BodyForm, motion: Motion, seen_from: Observer | None = None) -> FloatArray:
     """Displacements (t, N, 3) of all nodes, relative to the first interface; without one, to the frame.
 
     seen_from : reference if not the first interface; an interface of this or another body, at the same times

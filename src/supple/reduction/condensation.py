@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 from scipy.sparse import csc_array
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body import FlexibleBody, Frame, NodalFixedFrame, frame_projector
 from supple.reduction.bases.guyan import interface_shapes
 from supple.reduction.condensed_inertia import condensed_moments

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body import FlexibleBody, MeanAxisFrame
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.reduction.tensors import number_of_coordinates, unpack_symmetric

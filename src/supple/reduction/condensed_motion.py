@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from supple.algebra import ReadOnlyArrays
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 
 __all__ = ["CondensedMotion"]
 

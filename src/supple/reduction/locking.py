@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 from scipy import linalg
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body import FlexibleBody
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import LockingWarning

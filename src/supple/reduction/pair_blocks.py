@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import BoolArray, FloatArray
 from supple.reduction.tensors import number_of_coordinates
 
-Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 _LARGEST_SHARE = 0.75
@@ -71,7 +70,7 @@ def pair_blocks(packed: FloatArray) -> FloatArray | PairBlocks:
     )
 
 
-def _coupled(present: Flags) -> list[Indices]:
+def _coupled(present: BoolArray) -> list[Indices]:
     """Classes of pairs coupled by the matrix, small ones merged; pairs of zero rows and columns left out."""
     alone = ~(present.any(axis=0) | present.any(axis=1))
     _, label = connected_components(csr_array(present), directed=False)
@@ -82,7 +81,7 @@ def _coupled(present: Flags) -> list[Indices]:
     return [*blocks, rest] if rest.size else blocks
 
 
-def _by_columns(present: Flags, rows: Indices, columns: Indices) -> list[tuple[Indices, Indices]]:
+def _by_columns(present: BoolArray, rows: Indices, columns: Indices) -> list[tuple[Indices, Indices]]:
     """(rows, columns) of the parts of a block, split recursively while the parts have few enough entries."""
     own = present[np.ix_(rows, columns)]
     ascending = np.argsort(own.sum(axis=1), kind="stable")

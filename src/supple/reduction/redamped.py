@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.body import Damping
 from supple.errors import ModelError
 from supple.reduction.projection import counted_damping

@@ -10,7 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from supple.algebra import ReadOnlyArrays
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
 
 __all__ = ["Locking", "ReductionReport"]

@@ -6,16 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import System
 from supple.methods.explicit import ENERGIES, Energies
 from supple.quantities import Reading, TrackedMotion, contact_forces, joint_loads
 from supple.results import without_noise
 from supple.units import UNNAMED, UnitSystem, labelled
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +25,8 @@ class Chart:
 
     title: str
     label: str
-    abscissa: Array
-    curves: Mapping[str, Array]
+    abscissa: FloatArray
+    curves: Mapping[str, FloatArray]
     note: str = ""
     abscissa_label: str = ""
 
@@ -90,5 +88,5 @@ def _charts_of_reading(reading: Reading, units: UnitSystem) -> Iterator[Chart]:
         )
 
 
-def _xyz(values: Array) -> dict[str, Array]:
+def _xyz(values: FloatArray) -> dict[str, FloatArray]:
     return dict(zip("xyz", values.T, strict=True))

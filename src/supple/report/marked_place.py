@@ -10,8 +10,9 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.arrays import FloatArray, IntArray
 from supple.body import BodyForm
 from supple.integrate import Solution
 from supple.machine import (
@@ -29,9 +30,6 @@ from supple.quantities import contact_forces, node_positions
 from supple.quantities.end_motion import both_ends
 from supple.value_content import UserFunction
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 
 @dataclass(frozen=True, eq=False)
 class MarkedPlace:
@@ -43,9 +41,9 @@ class MarkedPlace:
     """
 
     body: str
-    points: Array
-    rest: Array
-    axes: Array
+    points: FloatArray
+    rest: FloatArray
+    axes: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +69,7 @@ class Arrow:
     name: str
     kind: str
     place: MarkedPlace
-    values: Array
+    values: FloatArray
 
 
 def joint_marks(system: System, solution: Solution) -> Iterator[Link]:
@@ -131,7 +129,7 @@ def _wrenches(
     parameters: tuple[ArrayLike, ...],
     first: Pose,
     second: Pose,
-    times: Array,
+    times: FloatArray,
 ) -> jax.Array:
     kind: Any = of.function
 
@@ -168,7 +166,12 @@ def _arrow_of_nodes(system: System, solution: Solution, load: NodalLoad) -> Arro
 
 @partial(jax.jit, static_argnums=(0, 1))
 def _sums(
-    kind: type[NodalLoad], dimensions: int, law: TimeLaw, facets: IntArray, places: Array, times: Array
+    kind: type[NodalLoad],
+    dimensions: int,
+    law: TimeLaw,
+    facets: IntArray,
+    places: FloatArray,
+    times: FloatArray,
 ) -> jax.Array:
     """Sums (t, 3) of the forces on all facets with nodes at positions (t, k, 3) in space.
 

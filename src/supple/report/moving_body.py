@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.body import BodyForm, RigidBody
 from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Motion, Solution
@@ -18,9 +19,6 @@ from supple.report.nodal_shapes import NodalShapes, nodal_shapes
 from supple.report.visible_surface import VisibleSurface, surface_of
 from supple.results.body_surface import Look, SurfacePoints
 from supple.results.colouring import Colouring
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 DISPLACEMENT_TOLERANCE = 1e-5
 """Allowed error of a displacement by omitted shapes, relative to the largest displacement component."""
@@ -51,12 +49,12 @@ class MovingBody:
     name: str
     kind: str
     seen_from: str
-    rest: Array
+    rest: FloatArray
     node_ids: IntArray
     surface: VisibleSurface
     edges: IntArray
-    position: Array
-    rotation: Array
+    position: FloatArray
+    rotation: FloatArray
     displacement: NodalShapes | None = None
     fields: Mapping[str, NodalShapes] = field(default_factory=dict)
     unknown: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, dtype=bool))
@@ -71,14 +69,14 @@ class MovingBody:
         sizes = (np.linalg.norm(np.tensordot(amplitudes[part], shapes, 1), axis=2) for part in rows)
         return max(float(each.max(initial=0.0)) for each in sizes)
 
-    def positions(self, rows: IntArray) -> Array:
+    def positions(self, rows: IntArray) -> FloatArray:
         """Positions (t', N, 3) in space, as drawn in the page, at the times with indices `rows` (t',)."""
         local = self.rest[None]
         if self.displacement is not None:
             local = local + np.tensordot(self.displacement.amplitudes[rows], self.displacement.shapes, 1)
         return self.position[rows, None] + np.einsum("tij,tnj->tni", self.rotation[rows], local)
 
-    def local(self, points: Array) -> Array:
+    def local(self, points: FloatArray) -> FloatArray:
         """Points (t, 3) in space, in the axes of the displacements."""
         return np.einsum("tji,tj->ti", self.rotation, points - self.position)
 
@@ -113,12 +111,12 @@ def moving_body(
         rotation = seen.axes
         seen_from = seen.name or "its frame"
 
-    def displacements() -> Iterator[Array]:
+    def displacements() -> Iterator[FloatArray]:
         for rows in _rows(len(position), 3 * max(len(rest), len(body.nodes))):
             places = points.positions(body, motion.at(rows))
             yield displacement_from_axes(places, position[rows, None], rotation[rows], rest)
 
-    def values(colouring: Colouring) -> Iterator[Array]:
+    def values(colouring: Colouring) -> Iterator[FloatArray]:
         # Large blocks of times, because a colouring repeats its preparation of the body at each call.
         for rows in _rows(len(position), len(body.nodes), _FIELD_NUMBERS):
             found = colouring.values(body, motion.at(rows), None)
@@ -171,7 +169,7 @@ def rigid_links(body: RigidBody, motion: Motion, thickness: float) -> MovingBody
     )
 
 
-def _bars(starts: Array, ends: Array, thickness: float) -> tuple[Array, IntArray]:
+def _bars(starts: FloatArray, ends: FloatArray, thickness: float) -> tuple[FloatArray, IntArray]:
     """Square bars between points (k, 3), as (8 k, 3) nodes and (12 k, 3) triangles."""
     along = ends - starts
     length = np.linalg.norm(along, axis=1, keepdims=True)
@@ -191,7 +189,7 @@ def _bars(starts: Array, ends: Array, thickness: float) -> tuple[Array, IntArray
     return nodes.reshape(-1, 3), (8 * np.arange(len(starts))[:, None, None] + one).reshape(-1, 3)
 
 
-def _fitted_axes(body: BodyForm, motion: Motion) -> tuple[Array, Array]:
+def _fitted_axes(body: BodyForm, motion: Motion) -> tuple[FloatArray, FloatArray]:
     """Origin (t, 3) and axes (t, 3, 3) of the best-fit rigid motion of the undeformed nodes.
 
     Source: [Kabsch1976]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.body import BodyForm, RigidBody
 from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import FloatingMotion, Solution
@@ -20,9 +20,6 @@ from supple.results.colouring import DEFLECTION, PLASTIC_STRAIN, Colouring, stre
 from supple.results.obstacle_shape import obstacle_offsets, obstacle_shape
 from supple.simulation.recorded_columns import check_motions
 from supple.units import UNNAMED, UnitSystem
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _SAMPLED = 60
 """Largest number of times at which the extent of the motion is evaluated."""
@@ -36,9 +33,9 @@ _ARROW_LENGTH = 0.16
 class MovingObstacle:
     """A rigid obstacle: points (n, 3) and triangles (m, 3), moved by offsets (t, 3)."""
 
-    points: Array
+    points: FloatArray
     triangles: IntArray
-    offsets: Array
+    offsets: FloatArray
 
 
 @dataclass(frozen=True)
@@ -65,16 +62,16 @@ class MovingMachine:
     arrow_length : length of the arrows of the largest force, moment and contact force
     """
 
-    times: Array
+    times: FloatArray
     bodies: Sequence[MovingBody]
     joints: Sequence[Link]
     links: Sequence[Link]
     arrows: Sequence[Arrow]
     obstacles: Sequence[MovingObstacle]
     scales: Mapping[str, FieldScale]
-    low: Array
-    high: Array
-    up: Array
+    low: FloatArray
+    high: FloatArray
+    up: FloatArray
     arrow_length: float
 
 
@@ -150,7 +147,7 @@ def moving_machine(
     )
 
 
-def _arrow_tails(arrows: Sequence[Arrow], length: float, rows: IntArray) -> Iterator[Array]:
+def _arrow_tails(arrows: Sequence[Arrow], length: float, rows: IntArray) -> Iterator[FloatArray]:
     """Tails (t, 3) of arrows with heads at their points; the largest of each kind has the full length."""
     largest: dict[str, float] = {}
     for arrow in arrows:

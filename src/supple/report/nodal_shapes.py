@@ -11,9 +11,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from supple.arrays import FloatArray
 
 _SEARCHED = 200
 """Number of times at which the truncation error is measured: those with the largest remainder."""
@@ -28,17 +27,17 @@ class NodalShapes:
     largest : largest magnitude of the field's components, over all nodes and times
     """
 
-    shapes: Array
-    amplitudes: Array
+    shapes: FloatArray
+    amplitudes: FloatArray
     largest: float
 
     @property
-    def field(self) -> Array:
+    def field(self) -> FloatArray:
         """The field, (t, N, c)."""
         return np.tensordot(self.amplitudes, self.shapes, 1)
 
 
-def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
+def nodal_shapes(blocks: Iterable[FloatArray], *, tolerance: float) -> NodalShapes:
     """Shapes and amplitudes that represent a field, given in blocks of times, within a tolerance.
 
     Each block adds the directions that the existing shapes lack, from the eigenvectors of the Gram matrix of
@@ -50,7 +49,7 @@ def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
     blocks : (t', N, c) each, in the order of time
     tolerance : error of any component at any node and time, relative to the largest component
     """
-    rows: list[Array] = []
+    rows: list[FloatArray] = []
     shape, basis, largest = (0, 0), np.zeros((0, 0)), 0.0
     for block in blocks:
         shape, flat = block.shape[1:], block.reshape(len(block), -1)
@@ -73,7 +72,7 @@ def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
     return NodalShapes(basis.reshape(-1, *shape), amplitudes, largest)
 
 
-def _directions(rest: Array, allowed: float) -> Array:
+def _directions(rest: FloatArray, allowed: float) -> FloatArray:
     """The fewest directions (k, m) that represent rest (b, m) with the allowed error in every component."""
     values, vectors = np.linalg.eigh(rest @ rest.T)
     leading = vectors[:, ::-1].T @ rest
@@ -85,7 +84,7 @@ def _directions(rest: Array, allowed: float) -> Array:
     return leading[: _fewest(left, len(values), allowed)]
 
 
-def _truncated(basis: Array, amplitudes: Array, allowed: float) -> tuple[Array, Array]:
+def _truncated(basis: FloatArray, amplitudes: FloatArray, allowed: float) -> tuple[FloatArray, FloatArray]:
     """Shapes in the order of their singular values, without the smallest, and their amplitudes."""
     _, turned = np.linalg.eigh(amplitudes.T @ amplitudes)
     turned = turned[:, ::-1]

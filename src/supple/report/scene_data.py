@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from supple.arrays import FloatArray
 from supple.report.charts import Chart
 from supple.report.marked_place import Link, MarkedPlace
 from supple.report.moving_body import MovingBody
 from supple.report.moving_machine import MovingMachine
 from supple.report.nodal_shapes import NodalShapes
 from supple.report.packed_arrays import PackedArrays, Packing
-
-Array = NDArray[np.float64]
 
 _LEVELS = 32767
 _STEP = 1.5e-5
@@ -94,7 +92,7 @@ def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, 
     return found
 
 
-def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[str, object]:
+def _body_data(body: MovingBody, middle: FloatArray, arrays: PackedArrays) -> dict[str, object]:
     surface, carriers = body.surface, body.surface.carriers
     carried = not np.array_equal(carriers, np.arange(len(carriers)))
     return {
@@ -131,7 +129,7 @@ class _Marks:
     """Positions of marks, each in the axes of its body."""
 
     def __init__(
-        self, machine: MovingMachine, numbers: Mapping[str, int], middle: Array, arrays: PackedArrays
+        self, machine: MovingMachine, numbers: Mapping[str, int], middle: FloatArray, arrays: PackedArrays
     ) -> None:
         self._machine, self._numbers, self._middle, self._arrays = machine, numbers, middle, arrays
         self._still = _STILL * float(np.linalg.norm(machine.high - machine.low))
@@ -164,7 +162,7 @@ class _Marks:
         }
 
 
-def _quaternions(rotation: Array) -> Array:
+def _quaternions(rotation: FloatArray) -> FloatArray:
     """Unit quaternions (t, 4), x y z w, of rotation matrices (t, 3, 3), with continuous sign."""
     found = Rotation.from_matrix(rotation).as_quat()
     turned = np.where(np.einsum("ti,ti->t", found[1:], found[:-1]) < 0, -1.0, 1.0)

@@ -9,9 +9,9 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.report.packed_arrays import PackedArrays
 from supple.report.page import Assets, PageSection, html_text, write_text
@@ -19,7 +19,6 @@ from supple.units import labelled
 
 __all__ = ["ChannelOfCases", "RainflowSpectrum", "SweepPage", "channels_that_fit", "write_sweep_page"]
 
-Array = NDArray[np.float64]
 
 _ASSETS = Assets(
     "sweep.html",
@@ -42,7 +41,7 @@ class ChannelOfCases:
 
     name: str
     unit: str
-    statistics: Mapping[str, Array]
+    statistics: Mapping[str, FloatArray]
     has_extremes: bool = True
 
 
@@ -55,8 +54,8 @@ class RainflowSpectrum:
 
     name: str
     unit: str
-    ranges: Array
-    counts: Array
+    ranges: FloatArray
+    counts: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +71,7 @@ class SweepPage:
     title: str
     parameters: Mapping[str, Sequence[object]]
     channels: Sequence[ChannelOfCases]
-    results: Mapping[str, Sequence[object] | Array] = field(default_factory=lambda: MappingProxyType({}))
+    results: Mapping[str, Sequence[object] | FloatArray] = field(default_factory=lambda: MappingProxyType({}))
     spectra: Sequence[RainflowSpectrum] = ()
     exponents: Sequence[float] = ()
     sections: Sequence[PageSection] = ()
@@ -155,7 +154,7 @@ class _Column(NamedTuple):
 
     label: str
     kind: str
-    values: Sequence[object] | Array
+    values: Sequence[object] | FloatArray
 
     def plain(self, arrays: PackedArrays) -> dict[str, object]:
         """The column as JSON values for the script."""
@@ -170,7 +169,7 @@ class _Column(NamedTuple):
         return known | {"values": arrays.add(values.astype(np.float64), "f8")}
 
 
-def _are_words(values: Sequence[object] | Array) -> bool:
+def _are_words(values: Sequence[object] | FloatArray) -> bool:
     if isinstance(values, np.ndarray) and values.dtype.kind in "iuf":
         return False
     return any(isinstance(value, bool) or not isinstance(value, int | float | np.number) for value in values)

@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel
 from supple.integrate import Motion
 from supple.mesh import CellType
 from supple.mesh.outer_faces import FACE_TRIANGLES
 from supple.results.body_surface import Look, SurfacePoints, body_surface
-
-IntArray = NDArray[np.int64]
 
 
 def _none(columns: int) -> IntArray:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.fem import BeamSection, CoupledBeamSection, FiniteElementModel, LineSection, RodSection, Section
 from supple.fem.beam_stress import rod_line
 from supple.fem.model import line_of
@@ -14,9 +15,7 @@ from supple.mesh.section_geometry import ROUND_CORNERS
 
 __all__ = ["BeamSkin", "beam_skin", "outlines"]
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-_Loop = Array
+_Loop = FloatArray
 """(k, 2) corners of a convex polygon"""
 
 
@@ -31,7 +30,7 @@ class BeamSkin(NamedTuple):
     triangles: IntArray
     mesh_lines: NDArray[np.bool_]
     nodes: IntArray
-    arms: Array
+    arms: FloatArray
     groups: IntArray
 
 
@@ -107,7 +106,7 @@ def _box(loops: tuple[_Loop, ...], hole: _Loop) -> tuple[tuple[_Loop, ...], _Loo
     return (np.array([high, (low[0], high[1]), low, (high[0], low[1])]),), hole[:0]
 
 
-def _circle() -> Array:
+def _circle() -> FloatArray:
     angles = 2 * np.pi * np.arange(ROUND_CORNERS) / ROUND_CORNERS
     return np.column_stack([np.cos(angles), np.sin(angles)])
 

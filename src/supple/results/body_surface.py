@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel, beam_end_ranks, has_stress_on_faces
 from supple.integrate import Motion
@@ -17,8 +17,6 @@ from supple.results.beam_skin import BeamSkin, beam_skin
 
 __all__ = ["BodySurface", "Look", "SurfacePoints", "body_surface"]
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Look = Mesh | FiniteElementModel
 """Input of the drawing of a body: its mesh, or its elements, which contain the beam sections."""
 
@@ -32,7 +30,7 @@ class SurfacePoints:
     """
 
     nodes: IntArray
-    arms: Array
+    arms: FloatArray
     groups: IntArray
 
     @classmethod
@@ -49,11 +47,11 @@ class SurfacePoints:
         """Numbers of the points that are not nodes."""
         return np.flatnonzero(self.arms.any(axis=1))
 
-    def placed(self, nodes: Array, rotations: Array | None = None) -> Array:
+    def placed(self, nodes: FloatArray, rotations: FloatArray | None = None) -> FloatArray:
         """Positions (..., P, 3) for nodes at (..., N, 3) with rotations (..., N, 3, 3)."""
         return self._out_on_arms(nodes[..., self.nodes, :], rotations)
 
-    def positions(self, body: BodyForm, motion: Motion, nodes: Array | None = None) -> Array:
+    def positions(self, body: BodyForm, motion: Motion, nodes: FloatArray | None = None) -> FloatArray:
         """Positions (t, P, 3) in space.
 
         nodes : (t, N, 3) drawn positions of the nodes; by default their true positions
@@ -61,7 +59,7 @@ class SurfacePoints:
         own = node_positions(body, motion, self.nodes) if nodes is None else nodes[:, self.nodes]
         return self._out_on_arms(own, body.node_rotations(motion) if len(self.on_arms) else None)
 
-    def _out_on_arms(self, carriers: Array, rotations: Array | None) -> Array:
+    def _out_on_arms(self, carriers: FloatArray, rotations: FloatArray | None) -> FloatArray:
         """The points from positions (..., P, 3) of their nodes."""
         own = self.on_arms
         if not len(own):
@@ -73,7 +71,7 @@ class SurfacePoints:
         found[..., own, :] += arms
         return found
 
-    def at_points(self, values: Array) -> Array:
+    def at_points(self, values: FloatArray) -> FloatArray:
         """Values (t, P) at the points from nodal values (t, N) or (t, N, groups); NaN without stress."""
         if values.ndim == 2:
             return values[:, self.nodes]
@@ -95,16 +93,16 @@ class BodySurface(SurfacePoints):
     masses: IntArray
 
     @property
-    def rest(self) -> Array:
+    def rest(self) -> FloatArray:
         """Undeformed positions (P, 3)."""
         return self.placed(self.mesh.nodes)
 
-    def shaped(self, shapes: Array, rotations: Array | None) -> Array:
+    def shaped(self, shapes: FloatArray, rotations: FloatArray | None) -> FloatArray:
         """Displacements (..., P, 3) from those of nodes (..., N, 3) and their small rotations (..., N, 3)."""
         found = shapes[..., self.nodes, :]
         return found if rotations is None else found + np.cross(rotations[..., self.nodes, :], self.arms)
 
-    def deflections(self, body: BodyForm, motion: Motion, seen_from: Observer) -> Array:
+    def deflections(self, body: BodyForm, motion: Motion, seen_from: Observer) -> FloatArray:
         """Displacements (t, P, 3) relative to an observer."""
         origin = seen_from.origin[:, None]
         places = self.positions(body, motion)

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 
 __all__ = ["Camera"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +26,7 @@ class Camera:
     ModelError  rows that are not orthonormal and right-handed
     """
 
-    axes: Array
+    axes: FloatArray
 
     def __post_init__(self) -> None:
         axes = np.array(self.axes, dtype=float)
@@ -60,7 +59,7 @@ class Camera:
         return cls(axes / np.linalg.norm(axes, axis=1, keepdims=True))
 
     @classmethod
-    def three_quarter(cls, nodes: Array) -> Camera:
+    def three_quarter(cls, nodes: FloatArray) -> Camera:
         """Camera towards a corner of a body: its longest extent to the right, its shortest upright."""
         thin, _, long = np.argsort(np.ptp(nodes, axis=0), kind="stable")
         right, up = np.eye(3)[long], np.eye(3)[thin]
@@ -69,7 +68,7 @@ class Camera:
         sight = np.cos(lift) * (np.cos(turn) * towards + np.sin(turn) * right) + np.sin(lift) * up
         return cls.looking(along=-sight, up=up)
 
-    def project(self, points: Array) -> tuple[Array, Array]:
+    def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Picture coordinates (..., 2) of points (..., 3), and their coordinates (...) towards the viewer."""
         seen = points @ self.axes.T
         return seen[..., :2], seen[..., 2]

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from supple.arrays import FloatArray
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel, has_stress, isotropic_materials
 from supple.integrate import FramedMotion, Motion
@@ -20,8 +18,6 @@ from supple.units import UnitSystem, labelled
 
 __all__ = ["DEFLECTION", "PLASTIC_STRAIN", "Colouring", "stress_colouring"]
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Colouring:
@@ -33,7 +29,7 @@ class Colouring:
     label : function of a unit system; returns the label of the colour bar and the factor on the values
     """
 
-    values: Callable[[BodyForm, Motion, Array | None], Array | None]
+    values: Callable[[BodyForm, Motion, FloatArray | None], FloatArray | None]
     label: Callable[[UnitSystem], tuple[str, float]]
 
 
@@ -42,7 +38,7 @@ def _stress_label(units: UnitSystem) -> tuple[str, float]:
     return labelled("von Mises stress", unit), factor
 
 
-def _plastic_strain(body: BodyForm, motion: Motion, _deflection: Array | None) -> Array | None:
+def _plastic_strain(body: BodyForm, motion: Motion, _deflection: FloatArray | None) -> FloatArray | None:
     if not isinstance(body, ExplicitSubdomain | ExplicitShell) or body.law is None:
         return None
     own = motion.of_type(NodalMotion)
@@ -55,7 +51,7 @@ def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
     elements : finite element models of the bodies, by name; other bodies have no values
     """
 
-    def values(body: BodyForm, motion: Motion, _deflection: Array | None) -> Array | None:
+    def values(body: BodyForm, motion: Motion, _deflection: FloatArray | None) -> FloatArray | None:
         model = elements.get(body.name)
         if model is None or not has_stress(model):
             return None

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body import BodyForm
 from supple.body.floating_kinematics import time_slices
 from supple.errors import ModelError
@@ -14,8 +14,6 @@ from supple.integrate.motion import Motion
 from supple.integrate.solution import Solution
 
 __all__ = ["MotionError", "motion_error", "relative_error", "rms_error"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -27,8 +25,8 @@ class MotionError:
     relative_percent : float    relative error over all times, %; `relative_error`
     """
 
-    times: Array
-    rms: Array
+    times: FloatArray
+    rms: FloatArray
     relative_percent: float
 
     @property
@@ -37,7 +35,7 @@ class MotionError:
         return float(self.rms.max())
 
 
-def rms_error(reference: Array, positions: Array) -> Array:
+def rms_error(reference: FloatArray, positions: FloatArray) -> FloatArray:
     """Root-mean-square distance between two sets of nodal positions, over time.
 
         eps_RMS(t) = sqrt(1/n sum_a |r_a(t) - rbar_a(t)|^2)
@@ -54,7 +52,7 @@ def rms_error(reference: Array, positions: Array) -> Array:
     return np.sqrt(_squared_distance(reference, positions) / reference.shape[1])
 
 
-def relative_error(reference: Array, positions: Array) -> float:
+def relative_error(reference: FloatArray, positions: FloatArray) -> float:
     """Error of a whole run, in percent.
 
         RE = sqrt(sum_t |r - rbar|^2) / sqrt(sum_t |r|^2) 100 %
@@ -115,7 +113,7 @@ def motion_error(
     return MotionError(times, rms, _percent(distance.sum(), size))
 
 
-def _squared_distance(reference: Array, positions: Array) -> Array:
+def _squared_distance(reference: FloatArray, positions: FloatArray) -> FloatArray:
     if reference.shape != positions.shape:
         raise ModelError(
             f"error measure: positions of shapes {reference.shape} and {positions.shape}; "

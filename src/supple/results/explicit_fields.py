@@ -5,17 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.arrays import FloatArray
 from supple.integrate import Solution
 from supple.methods.explicit import ExplicitShell, ExplicitSubdomain
 from supple.methods.explicit.motions import NodalMotion
 from supple.units import UnitSystem
 
 __all__ = ["element_means", "largest_part_stress"]
-
-FloatArray = NDArray[np.float64]
 
 
 def element_means(

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.integrate import Motion, Solution
 from supple.machine import System
 from supple.methods.explicit import (
@@ -24,8 +24,6 @@ from supple.quantities import Channel, QuantityKind
 from supple.results.run_tables import Numbers
 
 __all__ = ["MarchEnergySensor", "energy_balance", "explicit_cost_line", "march_numbers", "part_numbers"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

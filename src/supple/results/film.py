@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import Positive, check_fields
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.units import UnitSystem, plain_number
 
 __all__ = ["MOST_FRAMES", "Film", "RotorAngle", "film_rows", "speed_words", "standing_rows"]
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 N_FRAMES = 60
 """Number of frames of an animation without a given speed."""
@@ -75,7 +73,7 @@ WHOLE_RUN = Film()
 """Sixty frames over the whole run."""
 
 
-def film_rows(film: Film, times: Array, rate: float, angles: Array | None = None) -> IntArray:
+def film_rows(film: Film, times: FloatArray, rate: float, angles: FloatArray | None = None) -> IntArray:
     """Index of the output time that each frame of an animation shows; an index may repeat.
 
         t_i = start + i speed / rate        frame i shows the output time nearest to t_i
@@ -117,7 +115,7 @@ def _check_length(number: int) -> None:
         )
 
 
-def _window(film: Film, times: Array) -> tuple[int, int]:
+def _window(film: Film, times: FloatArray) -> tuple[int, int]:
     """Indices of the first and the last output time in the window; ModelError if it contains none."""
     slack = 1e-9 * float(np.abs(times).max())
     start = times[0] if film.start is None else film.start
@@ -131,7 +129,7 @@ def _window(film: Film, times: Array) -> tuple[int, int]:
     return int(inside[0]), int(inside[-1])
 
 
-def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
+def standing_rows(angles: FloatArray, at: RotorAngle) -> IntArray:
     """Indices of the output times nearest to each passage of a joint through its angle.
 
     angles : (t,) rad, continuous over several revolutions
@@ -160,13 +158,13 @@ def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
     return rows.astype(np.int64)
 
 
-def off_angle(angles: Array, at: RotorAngle) -> float:
+def off_angle(angles: FloatArray, at: RotorAngle) -> float:
     """Largest deviation of angles (t,) from the angle of `at`, modulo a revolution, rad."""
     off = angles - at.angle
     return float(np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi))).max())
 
 
-def speed_words(times: Array, rate: float, units: UnitSystem) -> str:
+def speed_words(times: FloatArray, rate: float, units: UnitSystem) -> str:
     """Speed of frames at times (t,), such as "0.05 x real time"; "" for a single frame."""
     if len(times) < 2 or times[-1] <= times[0]:
         return ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.integrate import Solution
 from supple.machine import RigidCylinder, RigidPlane, RigidSphere, System
 from supple.machine.obstacles import Obstacle
@@ -12,7 +13,6 @@ from supple.methods.explicit import OBSTACLES
 
 __all__ = ["obstacle_offsets", "obstacle_shape"]
 
-FloatArray = NDArray[np.float64]
 
 _AROUND, _UP = 32, 16
 

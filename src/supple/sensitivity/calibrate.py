@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import checked_arguments
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import ConvergenceError, IdentifiabilityWarning, ModelError, SuppleWarning, did_you_mean
 from supple.integrate import Run, Solution
 from supple.machine import System
@@ -90,7 +90,7 @@ def calibrate(
     begin = np.array(list(start.values())) / unit
     low, high = (side / unit for side in _bounds(start, bounds))
 
-    def jacobian(z: Array) -> Array:
+    def jacobian(z: FloatArray) -> FloatArray:
         return without_undetermined(fit.jacobian(z * unit) * unit)
 
     # Small enough to affect only parameters that the data do not determine, which keep their initial values.
@@ -112,7 +112,7 @@ def calibrate(
     return fit.result(found.x * unit, held)
 
 
-def _could_improve(jacobian: Array, residuals: Array) -> bool:
+def _could_improve(jacobian: FloatArray, residuals: FloatArray) -> bool:
     """Whether the step to the minimum of the linearised residuals, and its gain, both exceed `_NEAR`."""
     step = np.linalg.lstsq(jacobian, residuals)[0]
     gained = jacobian @ step
@@ -132,7 +132,9 @@ def _checked(measurements: Sequence[Measurement], n_parameters: int) -> tuple[Me
     return tuple(measurements)
 
 
-def _bounds(start: Mapping[str, float], bounds: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
+def _bounds(
+    start: Mapping[str, float], bounds: Mapping[str, tuple[float, float]]
+) -> tuple[FloatArray, FloatArray]:
     for name, (low, high) in bounds.items():
         if name not in start:
             raise ModelError(f"bounds: '{name}' is no parameter{did_you_mean(name, start)}")
@@ -161,27 +163,29 @@ class _Fit:
     runs: int = field(default=0)
     broken: str = ""
     """Cause of the last failed run"""
-    _last: tuple[Array, tuple[Array, Array, Solution]] | None = None
+    _last: tuple[FloatArray, tuple[FloatArray, FloatArray, Solution]] | None = None
 
-    def _named(self, values: Array) -> dict[str, float]:
+    def _named(self, values: FloatArray) -> dict[str, float]:
         return {name: float(value) for name, value in zip(self.sizes, values, strict=True)}
 
     @cached_property
-    def _measured(self) -> Array:
+    def _measured(self) -> FloatArray:
         """Measured values (n,), divided by the deviations."""
         return np.concatenate([own.weights * np.asarray(own.values)[own.known] for own in self.measurements])
 
     def _columns(self, system: System) -> list[int]:
         return [each.column(system, self.observables) for each in self.measurements]
 
-    def _computed(self, solution: Solution, values: Mapping[str, Array], columns: Sequence[int]) -> Array:
+    def _computed(
+        self, solution: Solution, values: Mapping[str, FloatArray], columns: Sequence[int]
+    ) -> FloatArray:
         """Values (n,) of observables, or their derivatives, at the measured times, over the deviations."""
         times, pairs = np.asarray(solution.times), zip(self.measurements, columns, strict=True)
         return np.concatenate(
             [own.weights * own.at_times(times, values[own.observable], column) for own, column in pairs]
         )
 
-    def residuals(self, values: Array) -> Array:
+    def residuals(self, values: FloatArray) -> FloatArray:
         """Weighted residuals (n,); inf if the run fails, so that the trust region shrinks."""
         self.runs += 1
         system = self.build(self._named(values))
@@ -195,13 +199,13 @@ class _Fit:
                 return np.full(len(self._measured), np.inf)
         return self._computed(solution, read(self.observables, system, solution), columns) - self._measured
 
-    def jacobian(self, values: Array) -> Array:
+    def jacobian(self, values: FloatArray) -> FloatArray:
         """Jacobian (n, p) of the weighted residuals."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuppleWarning)
             return self._jacobian(values)[0]
 
-    def _jacobian(self, values: Array) -> tuple[Array, Array, Solution]:
+    def _jacobian(self, values: FloatArray) -> tuple[FloatArray, FloatArray, Solution]:
         """Jacobian with the residuals (n,) and the run; the last result is cached."""
         if self._last is not None and np.array_equal(self._last[0], values):
             return self._last[1]
@@ -221,7 +225,7 @@ class _Fit:
         self._last = values.copy(), (np.column_stack(by_parameter), residuals, found.solution)
         return self._last[1]
 
-    def result(self, values: Array, at_bounds: NDArray[np.bool_]) -> Calibration:
+    def result(self, values: FloatArray, at_bounds: NDArray[np.bool_]) -> Calibration:
         """The result of the fit; warns IdentifiabilityWarning."""
         jacobian, residuals, solution = self._jacobian(values)
         degrees = max(len(residuals) - len(values), 1)

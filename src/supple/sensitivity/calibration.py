@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.integrate import Solution
 from supple.summary import Summarized, Summary
 
@@ -30,32 +30,32 @@ class Uncertainty:
         the changes of its parameters relative to their sizes
     """
 
-    covariance: Array
+    covariance: FloatArray
     undetermined: tuple[Mapping[str, float], ...]
 
     @property
-    def deviations(self) -> Array:
+    def deviations(self) -> FloatArray:
         """Standard deviations (p,)."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
-    def correlation(self) -> Array:
+    def correlation(self) -> FloatArray:
         """Correlation matrix (p, p); nan for parameters that the data do not determine."""
         with np.errstate(invalid="ignore"):
             return self.covariance / np.outer(self.deviations, self.deviations)
 
 
-def without_undetermined(jacobian: Array) -> Array:
+def without_undetermined(jacobian: FloatArray) -> FloatArray:
     """A scaled Jacobian (n, p) with zero in place of singular values of directions that are undetermined."""
     left, singular, right = np.linalg.svd(jacobian, full_matrices=False)
     return (left * np.where(_determined(singular), singular, 0.0)) @ right
 
 
-def _determined(singular: Array) -> NDArray[np.bool_]:
+def _determined(singular: FloatArray) -> NDArray[np.bool_]:
     return singular > _UNDETERMINED * np.max(singular, initial=0.0)
 
 
-def uncertainty(jacobian: Array, sizes: Mapping[str, float], variance: float) -> Uncertainty:
+def uncertainty(jacobian: FloatArray, sizes: Mapping[str, float], variance: float) -> Uncertainty:
     """Uncertainty with the covariance `s^2 (J^T J)^-1`; J (n, p) is the Jacobian of the weighted residuals.
 
     sizes : sizes of the parameters by name, which scale the Jacobian
@@ -99,9 +99,9 @@ class Calibration(Summarized):
 
     parameters: Mapping[str, float]
     uncertainty: Uncertainty
-    residuals: tuple[Array, ...]
+    residuals: tuple[FloatArray, ...]
     misfit: float
-    jacobian: Array
+    jacobian: FloatArray
     solution: Solution
     runs: int
     at_bounds: tuple[str, ...]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import System
@@ -34,7 +34,7 @@ _STEPS = (1.0, 1e-2, 1e-4)
 tried for observables that are not smooth."""
 
 
-def read(observables: Observables, system: System, solution: Solution) -> dict[str, Array]:
+def read(observables: Observables, system: System, solution: Solution) -> dict[str, FloatArray]:
     """Values of observables, by name."""
     found = observables_of(observables, system)
     return {name: np.asarray(each.values(system, solution), dtype=float) for name, each in found.items()}
@@ -52,7 +52,9 @@ class DerivativeReader:
     changes: StateChange
     observables: Observables
 
-    def derivatives(self, parameter: str, number: int, values: Mapping[str, Array]) -> dict[str, Array]:
+    def derivatives(
+        self, parameter: str, number: int, values: Mapping[str, FloatArray]
+    ) -> dict[str, FloatArray]:
         """Derivatives of all observables with respect to a parameter.
 
         number : position of the parameter;   values : values of the run itself, by observable
@@ -84,11 +86,11 @@ class DerivativeReader:
                     "bodies again: keep the body for all parameters, or use a deflection or a force"
                 )
 
-    def _by_motion(self, number: int, values: Mapping[str, Array]) -> dict[str, Array]:
+    def _by_motion(self, number: int, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         # A parameter that does not affect the motion, such as the mass of a pendulum, may affect forces.
         of_motion = small_step(self.machine.model, self.states, self.changes, number)
         largest = min(of_motion, self.machine.neighbours[number].step)
-        found: dict[str, Array] = {}
+        found: dict[str, FloatArray] = {}
         for part in _STEPS:
             left = {name: own for name, own in values.items() if name not in found}
             if left:
@@ -103,14 +105,14 @@ class DerivativeReader:
                 found |= self._smooth(left, around, step)
         return found
 
-    def _read(self, system: System, states: State) -> dict[str, Array]:
+    def _read(self, system: System, states: State) -> dict[str, FloatArray]:
         solution = as_solution(system, self.machine.model, states, Statistics())
         return read(self.observables, system, solution)
 
     @staticmethod
     def _smooth(
-        values: Mapping[str, Array], around: Sequence[Mapping[str, Array]], step: float
-    ) -> dict[str, Array]:
+        values: Mapping[str, FloatArray], around: Sequence[Mapping[str, FloatArray]], step: float
+    ) -> dict[str, FloatArray]:
         """Derivatives of the observables that are smooth; others are left out."""
         found = {name: [own[name] for own in around] for name in values}
         return {

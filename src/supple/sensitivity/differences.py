@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supple.arrays import Array
+from supple.arrays import FloatArray
 
 __all__ = ["OFFSETS", "central_difference", "looks_smooth"]
 
@@ -32,7 +32,7 @@ _NOTHING = 1e-6
 """Smallest reference value for `_ROUNDING`: below it, values count as rounding errors of zero."""
 
 
-def central_difference(values: Sequence[ArrayLike], step: float) -> Array:
+def central_difference(values: Sequence[ArrayLike], step: float) -> FloatArray:
     """Derivative from four values, at `OFFSETS` times the step."""
     far_below, below, above, far_above = (np.asarray(own, dtype=float) for own in values)
     return (8 * (above - below) - (far_above - far_below)) / (12 * step)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from supple.arguments import check_numbers, check_text
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.machine import System
 from supple.sensitivity.observable import Observables, observables_of
@@ -59,7 +59,7 @@ class Measurement:
         return np.isfinite(np.asarray(self.values))
 
     @property
-    def weights(self) -> Array:
+    def weights(self) -> FloatArray:
         """Reciprocal deviations (k',) of the k' finite measured values; ones if `deviation` is None."""
         deviation = 1.0 if self.deviation is None else np.asarray(self.deviation)
         return np.broadcast_to(1 / deviation, np.shape(self.times))[self.known]
@@ -81,7 +81,7 @@ class Measurement:
             )
         return names.index(self.channel)
 
-    def at_times(self, times: Array, values: Array, column: int) -> Array:
+    def at_times(self, times: FloatArray, values: FloatArray, column: int) -> FloatArray:
         """Computed values (k',), interpolated at the times of the k' finite measured values.
 
         times, values, column : output times (t,), computed values (t, c), and the column to interpolate

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from supple.arguments import check_fields
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution
@@ -26,7 +26,7 @@ class Observable(Protocol):
         """Name, unique among the observables of a call."""
         ...
 
-    def values(self, system: System, solution: Solution, /) -> Array:
+    def values(self, system: System, solution: Solution, /) -> FloatArray:
         """Values of any shape; for a sensor (t, c) at the output times."""
         ...
 
@@ -44,12 +44,12 @@ class Statistic:
 
     name: str
     sensor: Observable
-    of: Callable[[Array], float]
+    of: Callable[[FloatArray], float]
 
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def values(self, system: System, solution: Solution) -> Array:
+    def values(self, system: System, solution: Solution) -> FloatArray:
         """The statistic of each column, (c,)."""
         columns = np.asarray(self.sensor.values(system, solution)).T
         return np.array([self.of(column) for column in columns], dtype=float)

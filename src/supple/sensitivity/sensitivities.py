@@ -12,7 +12,7 @@ import numpy as np
 
 from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import check_number, checked_arguments
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_resolution import report_step_length
 from supple.equations.checks.validity import watch
@@ -44,8 +44,8 @@ class Sensitivities(Summarized):
 
     parameters: Mapping[str, float]
     solution: Solution
-    values: Mapping[str, Array]
-    derivatives: Mapping[str, Mapping[str, Array]]
+    values: Mapping[str, FloatArray]
+    derivatives: Mapping[str, Mapping[str, FloatArray]]
 
     def summary(self) -> Summary:
         """By observable: its largest relative change per relative change of each parameter."""

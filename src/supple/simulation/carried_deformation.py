@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from supple.arrays import Array
+from supple.arrays import FloatArray
 from supple.body import BodyForm, FlexibleBody, Frame, FullBody, MeanAxisFrame
 from supple.errors import ModelError
 from supple.methods.explicit import ModalSubdomain
@@ -39,17 +39,17 @@ SMALLEST_MOTION = 1e-3
 class Deformation(NamedTuple):
     """Nodal freedoms (n_nodal,) in the body's frame, and their rates."""
 
-    nodal: Array
-    rates: Array
+    nodal: FloatArray
+    rates: FloatArray
 
 
 class PlacedFrame(NamedTuple):
     """Pose and velocities of a floating frame, as in `Placed`."""
 
-    position: Array
-    rotation: Array
-    velocity: Array
-    angular_velocity: Array
+    position: FloatArray
+    rotation: FloatArray
+    velocity: FloatArray
+    angular_velocity: FloatArray
 
 
 @dataclass(frozen=True)
@@ -73,12 +73,12 @@ class TransferredDeformation(NamedTuple):
     """State of a body in its new form."""
 
     frame: PlacedFrame
-    coordinates: Array
-    rates: Array
+    coordinates: FloatArray
+    rates: FloatArray
     loss: ProjectionLoss
 
 
-def deformation_of(body: BodyForm, coordinates: Array, rates: Array) -> Deformation:
+def deformation_of(body: BodyForm, coordinates: FloatArray, rates: FloatArray) -> Deformation:
     """Deformation at coordinates (r,) and rates (r,), including the condensed motion."""
     linear, beside = body.nodal_fields(coordinates[None])
     moving, _ = body.nodal_fields(rates[None])
@@ -88,7 +88,7 @@ def deformation_of(body: BodyForm, coordinates: Array, rates: Array) -> Deformat
 
 
 def carried_deformation(
-    then: BodyForm, state: PlacedFrame, deformation: Deformation, now: BodyForm, nodes: Array
+    then: BodyForm, state: PlacedFrame, deformation: Deformation, now: BodyForm, nodes: FloatArray
 ) -> TransferredDeformation:
     """The state of a body in another form or basis.
 
@@ -117,7 +117,9 @@ def carried_deformation(
     weighted = (body.mass @ vectors).T
     back, ends, wanted = _interfaces(now, body)
 
-    def on_columns(whole: Array, beside: Callable[[Array], Array]) -> tuple[Array, Array]:
+    def on_columns(
+        whole: FloatArray, beside: Callable[[FloatArray], FloatArray]
+    ) -> tuple[FloatArray, FloatArray]:
         """Coordinates, and the remainder (n,) outside the columns and the condensed motion."""
         gamma, following = np.zeros(vectors.shape[1]), np.zeros_like(whole)
         for _ in range(MOST_ROUNDS):
@@ -128,7 +130,7 @@ def carried_deformation(
                 break
         return gamma, whole - vectors @ gamma - following
 
-    def follows(gamma: Array) -> Array:
+    def follows(gamma: FloatArray) -> FloatArray:
         beside = now.nodal_fields(gamma[None])[1]
         return np.zeros(body.n_nodal) if beside is None else beside[:, 0]
 
@@ -148,7 +150,7 @@ def carried_deformation(
     )
 
 
-def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Array]:
+def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Smallest coordinates (r, 6 p) for unit motions of p interfaces, and motions per unit coordinate.
 
     These are the motions of the interfaces per reduced coordinate (6 p, r) and per full coordinate (6 p, n).
@@ -165,7 +167,7 @@ def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Array]
     return back, moved, wanted
 
 
-def _following_rates(body: BodyForm, coordinates: Array, rates: Array) -> Array:
+def _following_rates(body: BodyForm, coordinates: FloatArray, rates: FloatArray) -> FloatArray:
     """Rates (n_nodal,) of the condensed motion `z = b(q, q)`: `2 b(q, dq/dt)`, by polarisation."""
     size, speed = np.linalg.norm(coordinates), np.linalg.norm(rates)
     if not (size and speed):
@@ -182,13 +184,13 @@ def _seen_from(
     frame: Frame,
     state: PlacedFrame,
     deformation: Deformation,
-    coordinates_of: Callable[[Array], Array],
+    coordinates_of: Callable[[FloatArray], FloatArray],
 ) -> tuple[PlacedFrame, Deformation]:
     """The same shape and motion in space, relative to a frame with conditions `D x = 0`, `D dx/dt = 0`."""
     conditions = frame.constraint(body)
     rigid = np.linalg.solve(conditions @ body.rigid_modes, conditions)
 
-    def missed(nodal: Array) -> tuple[Array, Array]:
+    def missed(nodal: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Translation and rotation of the frame after which a field satisfies the conditions, frame axes."""
         motion = rigid @ coordinates_of(nodal)
         return motion[:3], motion[3:]
@@ -215,7 +217,9 @@ def _seen_from(
     return found, Deformation(nodal, _nodal_rates(body, state, deformation, found, nodal))
 
 
-def _nodal(body: FlexibleBody, state: PlacedFrame, nodal: Array, position: Array, rotation: Array) -> Array:
+def _nodal(
+    body: FlexibleBody, state: PlacedFrame, nodal: FloatArray, position: FloatArray, rotation: FloatArray
+) -> FloatArray:
     """Nodal freedoms (n_nodal,) of the same shape relative to another frame."""
     fields = nodal.reshape(-1, body.dofs_per_node)
     between = rotation.T @ state.rotation
@@ -227,8 +231,8 @@ def _nodal(body: FlexibleBody, state: PlacedFrame, nodal: Array, position: Array
 
 
 def _nodal_rates(
-    body: FlexibleBody, state: PlacedFrame, deformation: Deformation, found: PlacedFrame, nodal: Array
-) -> Array:
+    body: FlexibleBody, state: PlacedFrame, deformation: Deformation, found: PlacedFrame, nodal: FloatArray
+) -> FloatArray:
     """Rates (n_nodal,) of the same motion relative to another frame."""
     fields, rates = (each.reshape(-1, body.dofs_per_node) for each in deformation)
     between = found.rotation.T @ state.rotation
@@ -245,7 +249,7 @@ def _nodal_rates(
     return np.hstack([moved, turned]).ravel()
 
 
-def _check_same_mesh(now: BodyForm, nodes: Array) -> None:
+def _check_same_mesh(now: BodyForm, nodes: FloatArray) -> None:
     size = float(np.ptp(now.nodes, axis=0).max())
     if nodes.shape != now.nodes.shape:
         why = f"{len(nodes)} nodes in the motion, {len(now.nodes)} in the body"
@@ -288,5 +292,5 @@ def _flexible(now: BodyForm) -> FlexibleBody:
     return body
 
 
-def _norm(body: FlexibleBody, field: Array) -> float:
+def _norm(body: FlexibleBody, field: FloatArray) -> float:
     return float(np.sqrt(max(field @ (body.mass @ field), 0.0)))

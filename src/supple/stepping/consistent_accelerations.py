@@ -9,14 +9,14 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
+from supple.arrays import AnyArray, Tree
 from supple.equations.compiled_machine import forces_without_acceleration
-from supple.equations.configuration import AnyArray, Configuration, ControlState, ControlStep
+from supple.equations.configuration import Configuration, ControlState, ControlStep
 from supple.equations.inertia import mass_matrix
 from supple.equations.machine_model import Model
 from supple.equations.starting_machine import CONVERGED, MOST, joint_terms
 from supple.methods.floating.compiled.state import State
 from supple.stepping.external_inputs import ExternalInputs
-from supple.stepping.marching import Tree
 
 __all__ = ["after_jump", "consistent_accelerations"]
 

@@ -9,7 +9,7 @@ from typing import TypeVar
 import jax
 import numpy as np
 
-from supple.equations.configuration import AnyArray
+from supple.arrays import AnyArray, Tree
 from supple.errors import ModelError, SuppleError
 from supple.machine import Joint, System
 from supple.machine.laws.constant import Constant
@@ -17,7 +17,6 @@ from supple.machine.laws.law_numbers import UnboundedLaw
 from supple.machine.laws.time_law import as_time_law
 from supple.machine.system import Load
 from supple.quantities import ElementEnergySensor, Quantity, SpringForceSensor
-from supple.stepping.marching import Tree
 from supple.stepping.variables import Variable
 
 __all__ = ["Driven", "ExternalInputs", "external_inputs"]

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import jax
 import numpy as np
 
-from supple.equations.configuration import AnyArray, SystemMotion
+from supple.arrays import AnyArray
+from supple.equations.configuration import SystemMotion
 from supple.equations.machine_model import Model
 from supple.integrate import Run
 from supple.machine import System

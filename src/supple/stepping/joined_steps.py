@@ -10,7 +10,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.configuration import AnyArray, SystemMotion
+from supple.arrays import AnyArray, Tree
+from supple.equations.configuration import SystemMotion
 from supple.equations.machine_model import Model
 from supple.integrate import Run
 from supple.machine import At, System
@@ -19,7 +20,6 @@ from supple.methods.intrinsic.joined_equations import all_velocities, station_tw
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine
 from supple.methods.intrinsic.joined_start import instant_rates
 from supple.methods.intrinsic.joined_step import JoinedState, JoinedStepping, joined_step
-from supple.stepping.marching import Tree
 
 __all__ = ["JoinedSteps", "joined_steps"]
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
-from supple.equations.configuration import AnyArray, SystemMotion
+from supple.arrays import AnyArray, Tree
+from supple.equations.configuration import SystemMotion
 from supple.equations.machine_model import Model
 
-__all__ = ["Marching", "MarchingState", "Tree"]
-
-Tree = Any
-"""A pytree of JAX whose leaves are arrays, of a structure that a method determines."""
+__all__ = ["Marching", "MarchingState"]
 
 
 class MarchingState(Protocol):

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
-from supple.equations.configuration import AnyArray
+from supple.arrays import AnyArray, FloatArray, Tree
 from supple.errors import ModelError
 from supple.machine import System
 from supple.quantities import Quantity
 from supple.stepping.external_inputs import Driven
-from supple.stepping.marching import Tree
 from supple.stepping.variables import Variable
 
 __all__ = ["AffineArrays", "MachineParameters", "affine_arrays"]
@@ -34,7 +32,6 @@ _AFFINE = 1e-10
 """Allowed deviation from the affine function in the check, as a fraction of the largest entry of the array
 or, if larger, of its change."""
 
-Array = NDArray[np.float64]
 Exported = tuple[System, Sequence[Quantity], Mapping[str, Driven]]
 
 
@@ -47,10 +44,10 @@ class MachineParameters:
     """
 
     variables: tuple[Variable, ...]
-    machine: Callable[[Array], Exported]
+    machine: Callable[[FloatArray], Exported]
 
     @property
-    def start(self) -> Array:
+    def start(self) -> FloatArray:
         """Initial values (k,) of the parameters."""
         return np.array([variable.start for variable in self.variables])
 
@@ -64,7 +61,7 @@ class AffineArrays:
     """
 
     base: Tree
-    start: Array
+    start: FloatArray
     slopes: Mapping[int, tuple[tuple[int, np.ndarray], ...]]
 
     def at(self, values: AnyArray) -> Tree:
@@ -85,7 +82,7 @@ class AffineArrays:
         return {k for place in jax.tree.leaves(part(numbered)) for k, _ in self.slopes.get(place, ())}
 
 
-def affine_arrays(made: Callable[[Array], Tree], parameters: MachineParameters) -> AffineArrays:
+def affine_arrays(made: Callable[[FloatArray], Tree], parameters: MachineParameters) -> AffineArrays:
     """The arrays `made(values)` as affine functions of the parameters.
 
     Raises ModelError for a parameter that changes no array, or the structure of the arrays, and for arrays
@@ -140,8 +137,8 @@ def _difference(old: AnyArray, new: AnyArray) -> np.ndarray:
 
 def _check(
     found: AffineArrays,
-    made: Callable[[Array], Tree],
-    at: Array,
+    made: Callable[[FloatArray], Tree],
+    at: FloatArray,
     parameters: MachineParameters,
 ) -> None:
     """ModelError if the arrays built from the values `at` differ from the affine functions."""

@@ -11,8 +11,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arrays import AnyArray, Tree
 from supple.equations.build_model import force_group_of, readers_of
-from supple.equations.configuration import AnyArray, SystemMotion
+from supple.equations.configuration import SystemMotion
 from supple.equations.ends import markers
 from supple.equations.joint_linearization import affine_form, axial
 from supple.equations.machine_model import STATIC, Ends, ForceGroup, Model
@@ -33,7 +34,6 @@ from supple.quantities import (
     SpringForceSensor,
     VelocitySensor,
 )
-from supple.stepping.marching import Tree
 from supple.stepping.sensed_machine import SensedMachine
 from supple.stepping.variables import Variable
 from supple.units import UnitSystem

@@ -13,9 +13,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.arguments import checked_arguments
+from supple.arrays import AnyArray, Tree
 from supple.equations.compiled_machine import compiled_start
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import AnyArray, SystemMotion
+from supple.equations.configuration import SystemMotion
 from supple.equations.machine_model import Model
 from supple.errors import ModelError
 from supple.integrate import ExplicitRule, Kinematic, Run
@@ -26,7 +27,7 @@ from supple.stepping.consistent_accelerations import after_jump, consistent_acce
 from supple.stepping.external_inputs import Driven, ExternalInputs, external_inputs
 from supple.stepping.floating_steps import FloatingSteps, floating_steps
 from supple.stepping.joined_steps import joined_steps
-from supple.stepping.marching import Marching, MarchingState, Tree
+from supple.stepping.marching import Marching, MarchingState
 from supple.stepping.parameters import AffineArrays, MachineParameters, affine_arrays
 from supple.stepping.sensed_machine import SensedMachine, ends_on_lines
 from supple.stepping.sensed_outputs import Contacts, SensedOutputs, contacts_of, sensed_outputs

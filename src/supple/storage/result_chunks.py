@@ -11,13 +11,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from supple.arrays import FloatArray
 from supple.integrate.solution import Solution
 from supple.storage.atomic_write import replacing
 from supple.storage.dataset_labels import dataset_labels
 from supple.storage.hdf5_record import dataset
 from supple.storage.result_content import FORMAT, N_COLUMNS, TEXTS, VERSION, Layout, ResultHeader
 from supple.storage.result_seals import NO_END, SIZE, content_seal, end_seal, header_seal, row_seal
-from supple.storage.solution_arrays import Array, motion_kinds, statistics_row, to_arrays
+from supple.storage.solution_arrays import motion_kinds, statistics_row, to_arrays
 
 # HDF5 stores and caches a dataset in blocks of this many bytes, or one row where a row is longer.
 _BLOCK_BYTES = 16384
@@ -46,7 +47,7 @@ class ChunkWriter:
         # Kept by name, because a look-up takes as long as a write.
         self._dataset = cache(partial(dataset, file))
 
-    def append(self, arrays: Mapping[str, Array], chunk: Solution) -> None:
+    def append(self, arrays: Mapping[str, FloatArray], chunk: Solution) -> None:
         """Write a chunk after the existing ones."""
         for name, array in arrays.items():
             target = self._dataset(name)
@@ -58,7 +59,7 @@ class ChunkWriter:
         self.file.flush()
         self.commit(arrays, chunk)
 
-    def commit(self, arrays: Mapping[str, Array], chunk: Solution) -> None:
+    def commit(self, arrays: Mapping[str, FloatArray], chunk: Solution) -> None:
         """Make a chunk valid whose arrays and state are written."""
         state = {key: np.asarray(chunk.engine_state[key], np.float64) for key in self.layout.engine_state}
         row = np.array([self._n_times, len(arrays["times"]), *statistics_row(chunk.statistics)])
@@ -87,7 +88,7 @@ class ChunkWriter:
             rows[number] = value
 
 
-def layout_of_chunk(arrays: Mapping[str, Array], chunk: Solution) -> Layout:
+def layout_of_chunk(arrays: Mapping[str, FloatArray], chunk: Solution) -> Layout:
     """The layout of the rows of a chunk: shapes and kinds of motion."""
     return Layout(
         arrays={path: array.shape[1:] for path, array in arrays.items()},
@@ -143,7 +144,7 @@ def _create_growing(file: h5py.File, name: str, array: np.ndarray) -> None:
     file.create_dataset(name, data=array, maxshape=(None,) * array.ndim, chunks=blocks)
 
 
-def most_growth(arrays: Mapping[str, Array], engine_state: Mapping[str, Array]) -> int:
+def most_growth(arrays: Mapping[str, FloatArray], engine_state: Mapping[str, FloatArray]) -> int:
     """Upper limit of the file's growth in bytes: the rows, a partial block at either end, and their index.
 
     engine_state : adds at most one block per key

@@ -15,6 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ResultFileError
 from supple.integrate.error_statement import ErrorStatement
 from supple.integrate.solution import Solution, Statistics, concatenate
@@ -30,7 +31,7 @@ from supple.storage.result_seals import (
     row_seal,
 )
 from supple.storage.run_inputs import Inputs
-from supple.storage.solution_arrays import Array, from_arrays, statistics_from_rows, statistics_row
+from supple.storage.solution_arrays import from_arrays, statistics_from_rows, statistics_row
 
 __all__ = ["DamagedResultError", "ResultHeader"]
 
@@ -146,7 +147,7 @@ class ResultContent:
         try:
             # Read at once where nothing is damaged, because reading chunk by chunk is slow.
             arrays, states = self._arrays(0, header.n_times), self._states(0, len(self._rows))
-            state: dict[str, Array] = {}
+            state: dict[str, FloatArray] = {}
             for number, span in enumerate(self._spans()):
                 state = {key: own[number].copy() for key, own in states.items()}
                 self._check_content(
@@ -195,7 +196,7 @@ class ResultContent:
         return 8 * sum(math.prod(shape) for shape in self._layout.arrays.values())
 
     @property
-    def times(self) -> Array:
+    def times(self) -> FloatArray:
         """All output times, (t,); errors as for `solution`."""
         n_times = self.header.n_times
         self._check_not_empty()
@@ -212,7 +213,7 @@ class ResultContent:
         except DAMAGE as error:
             raise self._chunks_damaged({number: str(error)}) from error
 
-    def _blocks(self, path: str, shape: tuple[int, ...], begin: int, end: int) -> Iterator[Array]:
+    def _blocks(self, path: str, shape: tuple[int, ...], begin: int, end: int) -> Iterator[FloatArray]:
         """The rows of an array in a range, some at a time."""
         found = self._checked(path, shape, rows=end)
         n_rows = max(1, _BLOCK_BYTES // (8 * max(1, math.prod(shape))))
@@ -249,7 +250,7 @@ class ResultContent:
                 f"{self._path} contains no output times: its run ended before the first; run it again"
             )
 
-    def _read_rows(self) -> tuple[Array, list[bytes]]:
+    def _read_rows(self) -> tuple[FloatArray, list[bytes]]:
         """Rows of `commits` with their seals; an unfinished last row is zero."""
         rows = self._checked("commits", (N_COLUMNS,))[()]
         written = np.flatnonzero((rows != 0.0).any(axis=1))
@@ -268,10 +269,12 @@ class ResultContent:
         for begin, n_times in self._rows[:, :2].astype(int).tolist():
             yield begin, begin + n_times
 
-    def _check_content(self, number: int, arrays: Mapping[str, Array], state: Mapping[str, Array]) -> None:
+    def _check_content(
+        self, number: int, arrays: Mapping[str, FloatArray], state: Mapping[str, FloatArray]
+    ) -> None:
         self._check_seal(number, {path: (own.shape, [own]) for path, own in arrays.items()}, state)
 
-    def _check_seal(self, number: int, rows: Mapping[str, Rows], state: Mapping[str, Array]) -> None:
+    def _check_seal(self, number: int, rows: Mapping[str, Rows], state: Mapping[str, FloatArray]) -> None:
         if content_seal(rows, state) != self._content_seals[number]:
             raise ValueError("its numbers have changed")
 
@@ -305,21 +308,21 @@ class ResultContent:
             f"{self._path} is damaged ({'; '.join(named[:3])}{more}): {rest}run the case again"
         )
 
-    def _arrays(self, begin: int, end: int) -> dict[str, Array]:
+    def _arrays(self, begin: int, end: int) -> dict[str, FloatArray]:
         """A range of rows of all arrays, by path."""
         return {
             path: self._checked(path, shape, rows=end)[begin:end]
             for path, shape in self._layout.arrays.items()
         }
 
-    def _states(self, begin: int, end: int) -> dict[str, Array]:
+    def _states(self, begin: int, end: int) -> dict[str, FloatArray]:
         """The states of the engine at the ends of a range of chunks, one per row."""
         return {
             key: self._checked(f"engine_state/{key}", shape, rows=end)[begin:end]
             for key, shape in self._layout.engine_state.items()
         }
 
-    def _state(self, number: int) -> dict[str, Array]:
+    def _state(self, number: int) -> dict[str, FloatArray]:
         return {key: own[0] for key, own in self._states(number, number + 1).items()}
 
     def _text(self, name: str) -> str:

@@ -46,6 +46,7 @@ from typing import Self
 
 import numpy as np
 
+from supple.arrays import FloatArray
 from supple.errors import ResultFileError
 from supple.integrate.solution import Solution
 from supple.storage.disk_space import reserve_space
@@ -62,7 +63,7 @@ from supple.storage.result_chunks import (
 from supple.storage.result_content import Metadata, ResultContent, ResultHeader, errors_metadata
 from supple.storage.result_reader import read_header, read_solution
 from supple.storage.run_inputs import Inputs, changes
-from supple.storage.solution_arrays import Array, to_arrays
+from supple.storage.solution_arrays import to_arrays
 
 __all__ = ["ResultFile", "write_errors", "write_solution"]
 
@@ -249,7 +250,7 @@ class ResultFile:
                 "again, in a folder that no other program changes"
             )
 
-    def _check(self, arrays: Mapping[str, Array], chunk: Solution) -> None:
+    def _check(self, arrays: Mapping[str, FloatArray], chunk: Solution) -> None:
         times = arrays["times"]
         if not len(times) or times[0] <= self.last_time or not (np.diff(times) > 0.0).all():
             seen = f"{times[0]:g} to {times[-1]:g}" if len(times) else "none"

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from supple.storage.solution_arrays import Array
+from supple.arrays import FloatArray
 
 SIZE = hashlib.sha256().digest_size
 """Bytes per seal."""
@@ -24,7 +24,7 @@ SIZE = hashlib.sha256().digest_size
 NO_END = bytes(SIZE)
 """Seal of the end until the run is complete."""
 
-Rows = tuple[tuple[int, ...], Iterable[Array]]
+Rows = tuple[tuple[int, ...], Iterable[FloatArray]]
 """Shape (t, ...) of rows of 64-bit numbers, and the rows, some at a time."""
 
 
@@ -33,7 +33,7 @@ def header_seal(texts: Mapping[str, str]) -> bytes:
     return _digest(_whole(name, text.encode()) for name, text in texts.items())
 
 
-def content_seal(arrays: Mapping[str, Rows], engine_state: Mapping[str, Array]) -> bytes:
+def content_seal(arrays: Mapping[str, Rows], engine_state: Mapping[str, FloatArray]) -> bytes:
     """Seal of a chunk: the rows of its arrays, by path, and the engine's state at its end, by key."""
     parts = [(f"array {path}", *rows) for path, rows in sorted(arrays.items())]
     parts += [(f"state {key}", value.shape, [value]) for key, value in sorted(engine_state.items())]
@@ -42,7 +42,7 @@ def content_seal(arrays: Mapping[str, Rows], engine_state: Mapping[str, Array]) 
     )
 
 
-def row_seal(header: bytes, number: int, row: Array, content: bytes) -> bytes:
+def row_seal(header: bytes, number: int, row: FloatArray, content: bytes) -> bytes:
     """Seal of a row of `commits`, with which a chunk becomes valid."""
     return _digest(
         [_whole("header", header), _whole(f"row {number}", row.tobytes()), _whole("content", content)]
@@ -54,7 +54,7 @@ def end_seal(header: bytes, rows: Iterable[bytes]) -> bytes:
     return _digest([_whole("header", header), _whole("rows", b"".join(rows))])
 
 
-def _bytes(array: Array) -> memoryview:
+def _bytes(array: FloatArray) -> memoryview:
     return np.ascontiguousarray(array).reshape(-1).view(np.uint8).data
 
 

@@ -9,19 +9,17 @@ from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.integrate import FloatingMotion, Solution, Statistics, motion_from_arrays
 from supple.integrate.solution import LARGEST
-
-Array = NDArray[np.float64]
 
 _GROUPS = ("joint_forces", "multipliers", "series")
 """Groups of arrays by name."""
 _COUNTS = ("steps", "iterations", "rejected_steps", "factorizations")
 
 
-def to_arrays(solution: Solution) -> dict[str, Array]:
+def to_arrays(solution: Solution) -> dict[str, FloatArray]:
     """Arrays by path: times, bodies/<name>/<field>, and GROUP/<name> for each GROUP of `_GROUPS`."""
     arrays = {"times": solution.times}
     for name, motion in solution.bodies.items():
@@ -37,17 +35,17 @@ def motion_kinds(solution: Solution) -> dict[str, str]:
 
 
 def from_arrays(
-    arrays: Mapping[str, Array],
+    arrays: Mapping[str, FloatArray],
     statistics: Statistics,
     kinds: Mapping[str, str] = MappingProxyType({}),
-    engine_state: Mapping[str, Array] = MappingProxyType({}),
+    engine_state: Mapping[str, FloatArray] = MappingProxyType({}),
 ) -> Solution:
     """The solution from arrays as `to_arrays` returns them; its arrays are read-only.
 
     kinds : kind of motion by path of the body's group; `FloatingMotion` where missing
     """
-    motions: dict[str, dict[str, Array]] = {}
-    groups: dict[str, dict[str, Array]] = {group: {} for group in _GROUPS}
+    motions: dict[str, dict[str, FloatArray]] = {}
+    groups: dict[str, dict[str, FloatArray]] = {group: {} for group in _GROUPS}
     for path, array in arrays.items():
         array.setflags(write=False)
         match path.split("/"):
@@ -74,12 +72,12 @@ def from_arrays(
     )
 
 
-def statistics_row(statistics: Statistics) -> Array:
+def statistics_row(statistics: Statistics) -> FloatArray:
     """The statistics of a run as numbers (9,)."""
     return np.array(astuple(statistics), dtype=np.float64)
 
 
-def statistics_from_rows(rows: Array) -> Statistics:
+def statistics_from_rows(rows: FloatArray) -> Statistics:
     """Statistics of a run from those of its chunks, rows (k, 9) of `statistics_row`."""
     names = [field.name for field in fields(Statistics)]
     totals: dict[str, Any] = {

@@ -9,9 +9,9 @@ from typing import Any, Protocol
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from supple.arguments import check_fields, given
+from supple.arrays import FloatArray
 from supple.errors import CaseError, did_you_mean
 from supple.fatigue import Weibull
 
@@ -28,8 +28,6 @@ __all__ = [
     "full_factorial",
     "sampled",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -84,7 +82,7 @@ def _plain(path: str, value: Any) -> Any:
 class Distribution(Protocol):
     """Probability distribution of a sampled parameter."""
 
-    def quantiles(self, shares: Array, /) -> Array:
+    def quantiles(self, shares: FloatArray, /) -> FloatArray:
         """Values (n,) at cumulative probabilities (n,)."""
         ...
 
@@ -101,7 +99,7 @@ class Uniform:
         if not np.isfinite([self.low, self.high]).all():
             raise CaseError(f"Uniform: low and high must be finite, got {self.low} and {self.high}")
 
-    def quantiles(self, shares: Array) -> Array:
+    def quantiles(self, shares: FloatArray) -> FloatArray:
         """Values x = low + (high - low) p at probabilities p."""
         return self.low + (self.high - self.low) * shares
 
@@ -124,7 +122,7 @@ class Normal:
                 f"{self.deviation}"
             )
 
-    def quantiles(self, shares: Array) -> Array:
+    def quantiles(self, shares: FloatArray) -> FloatArray:
         """Values x = mean + deviation Phi^-1(p) at probabilities p."""
         return scipy.stats.norm.ppf(shares, self.mean, self.deviation)
 
@@ -132,7 +130,7 @@ class Normal:
 class Sampling(Protocol):
     """Sampling of points in the unit cube."""
 
-    def points(self, dimensions: int, /) -> Array:
+    def points(self, dimensions: int, /) -> FloatArray:
         """Points (number, dimensions), with coordinates between 0 and 1."""
         ...
 
@@ -156,7 +154,7 @@ class LatinHypercube(_Numbered):
     Raises CaseError for a number below one.
     """
 
-    def points(self, dimensions: int) -> Array:
+    def points(self, dimensions: int) -> FloatArray:
         """Points (number, dimensions)."""
         return scipy.stats.qmc.LatinHypercube(dimensions, rng=self.seed).random(self.number)
 
@@ -167,7 +165,7 @@ class Sobol(_Numbered):
     Raises CaseError for a number below one.
     """
 
-    def points(self, dimensions: int) -> Array:
+    def points(self, dimensions: int) -> FloatArray:
         """Points (number, dimensions); CaseError for a number that is no power of two."""
         if self.number & (self.number - 1):
             raise CaseError(

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from supple.arrays import FloatArray
 
 __all__ = ["STATISTICS", "channel_statistics"]
 
-Array = NDArray[np.float64]
 
 STATISTICS = ("mean", "minimum", "maximum", "standard deviation", "time of minimum", "time of maximum")
 """Names of the statistics, in the order of `channel_statistics`; the last two are in the unit of time."""
 
 
-def channel_statistics(times: Array, values: Array) -> Array:
+def channel_statistics(times: FloatArray, values: FloatArray) -> FloatArray:
     """Statistics (6, c) of channels over the duration of a run.
 
         mean = 1/T integral y dt,   deviation^2 = 1/T integral (y - mean)^2 dt     (trapezoidal rule)

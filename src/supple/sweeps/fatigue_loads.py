@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
+from supple.arrays import FloatArray
 from supple.body import FullBody
 from supple.cases.case import Case
 from supple.cases.result_tables import recorded_quantities
@@ -23,7 +24,6 @@ from supple.sweeps.lifetime_of_sweep import LifetimeOfCases
 
 __all__ = ["FatigueLoads", "class_of", "range_of", "summed_spectra"]
 
-Array = NDArray[np.float64]
 
 CLASSES = 20
 """Number of range classes of a spectrum per decade."""
@@ -110,7 +110,9 @@ class FatigueLoads(CheckedTable):
         found = np.array([[fnmatchcase(name, own) for own in patterns] for name in names], dtype=bool)
         return found.reshape(len(names), len(self.channels))
 
-    def of(self, names: Sequence[str], times: Array, values: Array) -> tuple[Array, Array]:
+    def of(
+        self, names: Sequence[str], times: FloatArray, values: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Loads (e, c) of channels for e exponents, and the rows (m, 3) of the spectra of the channels.
 
         Loads are NaN for channels that are not selected. A row of a spectrum has the index of the channel,
@@ -134,17 +136,17 @@ class FatigueLoads(CheckedTable):
         return loads, summed_spectra([rows])
 
 
-def class_of(ranges: Array) -> NDArray[np.int64]:
+def class_of(ranges: FloatArray) -> NDArray[np.int64]:
     """Numbers of the classes of positive ranges, floor(20 log10(range))."""
     return np.floor(CLASSES * np.log10(ranges)).astype(np.int64)
 
 
-def range_of(classes: Array) -> Array:
+def range_of(classes: FloatArray) -> FloatArray:
     """Ranges in the middle of classes, on a logarithmic scale."""
     return 10 ** ((np.asarray(classes) + 0.5) / CLASSES)
 
 
-def summed_spectra(parts: Sequence[Array]) -> Array:
+def summed_spectra(parts: Sequence[FloatArray]) -> FloatArray:
     """Sum of spectra: rows (m, 3), one for each class of each channel that has cycles."""
     rows = np.concatenate([np.zeros((0, 3)), *parts])
     places, own = np.unique(rows[:, :2], axis=0, return_inverse=True)

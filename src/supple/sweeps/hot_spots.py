@@ -7,9 +7,9 @@ from functools import lru_cache
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from supple.arrays import FloatArray
 from supple.cases.case import Case
 from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import CaseError, SuppleError, did_you_mean
@@ -28,7 +28,6 @@ __all__ = ["HotSpot", "check_hot_spots", "damage_of_hot_spots"]
 MOST_NODES = 1000
 """Largest number of nodes of a hot spot; each is a channel of every case."""
 
-Array = NDArray[np.float64]
 
 Thickness = table_of(ThicknessEffect)
 _THICKNESS = Key(Thickness | None, "{ thickness, reference, exponent } of the plate", default=None)
@@ -71,7 +70,7 @@ class NodalDamage(NamedTuple):
 
     names: tuple[str, ...]
     places: tuple[str, ...]
-    damage: Array
+    damage: FloatArray
 
 
 def check_hot_spots(spots: Sequence[HotSpot], case: Case) -> None:

@@ -19,8 +19,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.integrate import FloatingMotion
 from supple.quantities.quantity_of_interest import WholeBody, quantity_distance
 from supple.reduction import ReducedBody
@@ -29,7 +29,6 @@ from supple.sweeps.swept_group import SweptGroup, TrainingRuns
 
 __all__ = ["principal_directions", "with_principal_bases"]
 
-Array = NDArray[np.float64]
 Bounds = dict[str, list[tuple[float, float]]]
 """Allowed error and largest displacement in each case, by body."""
 
@@ -47,7 +46,7 @@ SOFTEST = 1e-7
 """Ratio of lowest to highest frequency of a basis up to which the body has a mechanism; its basis stays."""
 
 
-def principal_directions(coordinates: Array, stiffness: Array, missed: float) -> Array:
+def principal_directions(coordinates: FloatArray, stiffness: FloatArray, missed: float) -> FloatArray:
     """Fewest orthonormal directions S (r, p) of some motions, for a given error in the energy norm.
 
     coordinates : (t, r)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from supple.arrays import FloatArray
 from supple.cases.table import table_of
 from supple.errors import CaseError
 from supple.fatigue import Lifetime, Weibull, lifetime_of_cases
@@ -13,8 +13,6 @@ from supple.importers.toml import CheckedTable, Positive
 from supple.sweeps.case_table import CaseTable
 
 __all__ = ["LifetimeOfCases"]
-
-Array = NDArray[np.float64]
 
 
 class WindSpeeds(table_of(Weibull)):
@@ -42,7 +40,7 @@ class LifetimeOfCases(CheckedTable):
             raise CaseError(f"fatigue: the column {self.speed} has texts; give wind speeds as numbers")
         self.of(table, 1.0)
 
-    def of(self, table: CaseTable, durations: Array | float) -> Lifetime:
+    def of(self, table: CaseTable, durations: FloatArray | float) -> Lifetime:
         """The lifetime with the frequency of each case.
 
         durations : (n,) durations of the cases, in the unit of time

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.cases.notify import silent
 from supple.errors import ModelError, SuppleError, SuppleWarning
 from supple.integrate import Kinematic, Solution
@@ -37,7 +37,6 @@ NUMBERS_AT_ONCE = 2**26
 NUMBERS_OF_A_BODY = 40
 """Numbers per body and output time for its frame and a joint, in addition to its coordinates and rates."""
 
-Array = NDArray[np.float64]
 Began = Callable[[Sequence[int]], None]
 """Callback with the numbers of the cases whose simulation begins."""
 
@@ -196,8 +195,8 @@ def _result(
 
 
 def _with_damage(
-    group: SweptGroup, own: SweptCase, solution: Solution, channels: Channels, statistics: Array
-) -> tuple[Channels, Array]:
+    group: SweptGroup, own: SweptCase, solution: Solution, channels: Channels, statistics: FloatArray
+) -> tuple[Channels, FloatArray]:
     """Channels and statistics, extended by a channel with the damage at each node of the hot spots."""
     fatigue = group.plan.output.fatigue
     assert fatigue is not None

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import CaseError
 from supple.optional_packages import optional_package
 from supple.sweeps.case_table import CaseTable
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["statistics_over_seeds"]
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 
 class OverSeeds(NamedTuple):
     """Statistics (k, ...) of a value over the cases of k conditions, without cases where it is missing.
@@ -30,10 +27,10 @@ class OverSeeds(NamedTuple):
     """
 
     number: IntArray
-    mean: Array
-    deviation: Array
-    minimum: Array
-    maximum: Array
+    mean: FloatArray
+    deviation: FloatArray
+    minimum: FloatArray
+    maximum: FloatArray
 
 
 def conditions_of(table: CaseTable, seeds: Sequence[str]) -> tuple[IntArray, CaseTable]:
@@ -50,7 +47,7 @@ def conditions_of(table: CaseTable, seeds: Sequence[str]) -> tuple[IntArray, Cas
     return numbers, CaseTable({path: [column[case] for case in first] for path, column in others.items()})
 
 
-def over_conditions(values: Array, numbers: IntArray) -> OverSeeds:
+def over_conditions(values: FloatArray, numbers: IntArray) -> OverSeeds:
     """Statistics over the cases of each condition.
 
         mean = sum x / n,    deviation = sqrt(sum (x - mean)^2 / (n - 1))
@@ -67,7 +64,7 @@ def over_conditions(values: Array, numbers: IntArray) -> OverSeeds:
     return OverSeeds(number, mean, deviation, np.fmin.reduceat(own, begins), np.fmax.reduceat(own, begins))
 
 
-def _over(sums: Array, number: IntArray) -> Array:
+def _over(sums: FloatArray, number: IntArray) -> FloatArray:
     """Quotients; NaN where the number is not positive."""
     return np.where(number > 0, sums / np.maximum(number, 1), np.nan)
 

@@ -24,8 +24,8 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ResultFileError
 from supple.storage.sealed_hdf5 import is_whole, open_sealed, writing_sealed
 from supple.sweeps.channel_statistics import STATISTICS
@@ -33,7 +33,6 @@ from supple.sweeps.channel_statistics import STATISTICS
 __all__ = ["CaseRecord", "CaseStatus", "Channels", "Part", "part_path", "read_part", "write_part"]
 
 FORMAT, VERSION = "supple-sweep-part", 1
-Array = NDArray[np.float64]
 
 
 class CaseStatus(IntEnum):
@@ -78,10 +77,10 @@ class CaseRecord:
     no_estimate: str = ""
     steps: int = 0
     iterations: int = 0
-    statistics: Array | None = None
-    spectrum: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    statistics: FloatArray | None = None
+    spectrum: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     channels: Channels = field(default_factory=Channels)
-    motion: Mapping[str, Array] = field(default_factory=dict)
+    motion: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @property
     def lacks_estimate(self) -> bool:
@@ -104,7 +103,7 @@ class Part:
     results: Sequence[CaseRecord]
     warnings: Sequence[str] = ()
     statistic: Sequence[str] = STATISTICS
-    spectrum: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    spectrum: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
 
 
 CHANNEL_KINDS = tuple(each.name for each in fields(Channels))
@@ -159,7 +158,7 @@ def write_part(path: Path, part: Part) -> None:
                 file.create_dataset(f"motions/{each.case}/{where}", data=array, compression=1, shuffle=True)
 
 
-def _statistics_of(result: CaseRecord, channels: Channels, number: int) -> Array:
+def _statistics_of(result: CaseRecord, channels: Channels, number: int) -> FloatArray:
     """Statistics (s, c) of a case; NaN if it has none, or if its channels are not those of the part."""
     if result.statistics is None or result.channels != channels:
         return np.full((number, len(channels.name)), np.nan)
@@ -193,9 +192,9 @@ def read_part(path: Path) -> Part:
         return Part(results, warned, names, file["spectrum"][()])
 
 
-def motion_in(file: h5py.File, case: int) -> dict[str, Array]:
+def motion_in(file: h5py.File, case: int) -> dict[str, FloatArray]:
     """The arrays of a stored motion by path; empty if none is stored."""
-    found: dict[str, Array] = {}
+    found: dict[str, FloatArray] = {}
     group = file.get(f"motions/{case}")
     if isinstance(group, h5py.Group):
         group.visititems(

@@ -20,6 +20,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.cases.case_family import CaseFamily, case_family
 from supple.cases.case_inputs import digests_of_files, missing_files
 from supple.cases.parameter_path import parameter_path
@@ -44,8 +45,6 @@ FEWEST_SHARES = 64
 """Smallest number of shares, if there are enough cases, so that many cores have work."""
 MARCHED_AT_ONCE = 16
 """Number of cases in a call of the compiled program, and in the smallest share."""
-
-IntArray = NDArray[np.int64]
 
 
 def _time_of(start: object) -> float:

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ResultFileError
 from supple.optional_packages import optional_package
 from supple.storage.sealed_hdf5 import open_sealed
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepColumns", "read_sweep", "write_parquet"]
 
-Array = NDArray[np.float64]
 
 _MISSING: Mapping[str, Any] = {
     "cause": "not run yet",
@@ -77,7 +77,7 @@ class SweepColumns:
 
     def statistic(
         self, statistic: int | str, channels: NDArray[np.intp] | slice | int = slice(None)
-    ) -> Array:
+    ) -> FloatArray:
         """Values (n, c) of a statistic, by number or name, for c channels, or (n,) for one; n cases."""
         number = self.statistics.index(statistic) if isinstance(statistic, str) else statistic
         numbers = np.arange(len(self.channels["name"]))[channels]
@@ -90,7 +90,7 @@ class SweepColumns:
                 found[cases] = self._by_name(data[number], list(names), numbers)
         return found
 
-    def _by_name(self, data: Array, names: list[str], numbers: NDArray[np.intp]) -> Array:
+    def _by_name(self, data: FloatArray, names: list[str], numbers: NDArray[np.intp]) -> FloatArray:
         """Columns of the wanted channels from a part, by name; NaN for channels that are not in the part."""
         wanted = np.atleast_1d(self.channels["name"][numbers])
         found = np.full((data.shape[1], len(wanted)), np.nan)
@@ -99,7 +99,7 @@ class SweepColumns:
                 found[:, place] = data[names.index(name)]
         return found if np.ndim(numbers) else found[:, 0]
 
-    def spectra(self) -> dict[str, tuple[Array, Array]]:
+    def spectra(self) -> dict[str, tuple[FloatArray, FloatArray]]:
         """Rainflow spectrum of all cases, by channel: middle (b,) of each range class, and cycles (b,)."""
         places = {name: number for number, name in enumerate(self.channels["name"])}
         parts = []
@@ -114,7 +114,7 @@ class SweepColumns:
             if len(own := rows[rows[:, 0] == number])
         }
 
-    def lifetime(self) -> tuple[Array, float]:
+    def lifetime(self) -> tuple[FloatArray, float]:
         """Fatigue statistics (f, c) over the lifetime, and the fraction of the lifetime that the cases cover.
 
         The statistics are damage-equivalent ranges for the reference number of cycles, and damage at hot
@@ -157,12 +157,12 @@ class SweepColumns:
                 own[cases] = file[name].asstr()[()] if name in WORDS else file[name][()]
         return found, warned
 
-    def motion(self, case: int) -> dict[str, Array]:
+    def motion(self, case: int) -> dict[str, FloatArray]:
         """Stored motion of a case: arrays by path (`supple.storage.solution_arrays`), and channels (t, c).
 
         Raises ResultFileError if the motion of the case was not stored.
         """
-        found: dict[str, Array] = {}
+        found: dict[str, FloatArray] = {}
         for share, cases in self._cases.items():
             if case in cases:
                 with open_sealed(part_path(self.folder, share), verify=False) as file:
@@ -251,7 +251,7 @@ def _as_array(column: Sequence[Any]) -> NDArray[Any]:
 
 
 def _lazy_statistics(columns: SweepColumns) -> Any:
-    """Array from which xarray reads the statistics that are used."""
+    """FloatArray from which xarray reads the statistics that are used."""
     backends = optional_package("xarray.backends", "a data set", "xarray")
     indexing = optional_package("xarray.core.indexing", "a data set", "xarray")
 
@@ -259,11 +259,11 @@ def _lazy_statistics(columns: SweepColumns) -> Any:
         shape = (columns.plan.n_cases, len(columns.channels["name"]), len(columns.statistics))
         dtype = np.dtype(np.float64)
 
-        def __getitem__(self, key: Any) -> Array:
+        def __getitem__(self, key: Any) -> FloatArray:
             outer = indexing.IndexingSupport.OUTER
             return indexing.explicit_indexing_adapter(key, self.shape, outer, self._read)
 
-        def _read(self, key: tuple[Any, ...]) -> Array:
+        def _read(self, key: tuple[Any, ...]) -> FloatArray:
             cases, channels, statistics = key
             numbers = np.arange(len(columns.statistics))[statistics]
             if np.ndim(numbers) == 0:

@@ -8,14 +8,14 @@ from functools import cached_property
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.sweeps.case_table import CaseTable, Distribution
 
 __all__ = ["SaltelliDesign", "SobolIndices"]
 
-Array = NDArray[np.float64]
 
 _RESAMPLES = 200
 
@@ -30,10 +30,10 @@ class SobolIndices:
     """
 
     parameters: tuple[str, ...]
-    first: Array
-    total: Array
-    first_interval: Array
-    total_interval: Array
+    first: FloatArray
+    total: FloatArray
+    first_interval: FloatArray
+    total_interval: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ class SaltelliDesign:
         spread = found.bootstrap(confidence_level=0.95, n_resamples=_RESAMPLES)
         intervals = (spread.first_order.confidence_interval, spread.total_order.confidence_interval)
 
-        def shaped(indices: Array) -> Array:
+        def shaped(indices: FloatArray) -> FloatArray:
             """Indices (d, ...) from an array (s, d), or (d,) for one output."""
             return np.atleast_2d(indices).T.reshape(d, *outputs.shape[1:])
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray
 from supple.integrate import Progress
 from supple.quantities import read_sensors, tracked_places
 from supple.report import (
@@ -36,7 +37,6 @@ from supple.units import labelled
 
 __all__ = ["Extreme", "sweep_extremes", "write_sweep_report"]
 
-Array = NDArray[np.float64]
 
 _STATES = {CaseStatus.RAN: "ran", CaseStatus.FAILED: "failed", CaseStatus.KILLED: "killed its process"}
 _NOT_RUN = "not run yet"
@@ -85,7 +85,7 @@ def _extremes(columns: SweepColumns) -> Iterator[Extreme]:
             yield Extreme(names[place], statistic, value, case, float(instants[case, place]))
 
 
-def _moves(units: NDArray[Any], low: Array, high: Array) -> NDArray[np.bool_]:
+def _moves(units: NDArray[Any], low: FloatArray, high: FloatArray) -> NDArray[np.bool_]:
     """Whether channels vary by more than rounding errors, (c,), from their extremes in all cases, (n, c)."""
     known = ~np.isnan(low)
     least, most = np.where(known, low, np.inf).min(axis=0), np.where(known, high, -np.inf).max(axis=0)
@@ -199,11 +199,11 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
     )
 
 
-def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Array | list[str]]:
+def _columns_of_errors(columns: SweepColumns, errors: FloatArray) -> dict[str, FloatArray | list[str]]:
     """Columns of estimated errors, of their ratios to allowed errors, and of reasons if these differ."""
     allowed, reasons = columns.of_cases("allowed_error"), columns.of_cases("no_estimate")
     unit = columns.plan.units.length or ""
-    found: dict[str, Array | list[str]] = {}
+    found: dict[str, FloatArray | list[str]] = {}
     if not np.isnan(errors).all():
         found = {labelled("estimated error", unit): errors, "runs": columns.runs.astype(float)}
     if not np.isnan(ratios := _ratios(errors, allowed)).all():
@@ -212,7 +212,7 @@ def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Array 
     return found | ({"why no estimate": reasons.tolist()} if len(set(reasons)) > 1 else {})
 
 
-def _of_channel(numbers: dict[str, Array], place: int) -> dict[str, Array]:
+def _of_channel(numbers: dict[str, FloatArray], place: int) -> dict[str, FloatArray]:
     """Statistics of a channel, without statistics that no case has, such as those of fatigue."""
     known = {name: own[:, place] for name, own in numbers.items() if not np.isnan(own[:, place]).all()}
     return known or {name: numbers[name][:, place] for name in STATISTICS}
@@ -226,7 +226,7 @@ def _page_of_conditions(columns: SweepColumns) -> SweepPage:
     n_conditions = int(numbers.max()) + 1
     n_channels = channels_that_fit(n_conditions, len(conditions.columns) + 1, 3 * len(names))
     kept = slice(0, n_channels)
-    by_channel: list[dict[str, Array]] = [{} for _ in columns.channels["name"][kept]]
+    by_channel: list[dict[str, FloatArray]] = [{} for _ in columns.channels["name"][kept]]
     for name in names:
         found = over_conditions(columns.statistic(name, kept), numbers)
         worst = found.minimum if name == "minimum" else found.maximum
@@ -276,11 +276,11 @@ def _lifetime(columns: SweepColumns) -> Iterator[PageSection]:
     yield PageSection("Lifetime", lines, [TextTable("", ("channel", "unit", *fatigue.statistics), rows)])
 
 
-def _ratios(errors: Array, allowed: Array) -> Array:
+def _ratios(errors: FloatArray, allowed: FloatArray) -> FloatArray:
     return np.divide(errors, allowed, out=np.full(errors.shape, np.nan), where=allowed > 0)
 
 
-def _lines_of_errors(columns: SweepColumns, errors: Array) -> Iterator[str]:
+def _lines_of_errors(columns: SweepColumns, errors: FloatArray) -> Iterator[str]:
     allowed = columns.of_cases("allowed_error")
     found = case_errors(errors, allowed, columns.of_cases("no_estimate"))
     if found.n_estimated:
@@ -297,7 +297,9 @@ def _lines_of_errors(columns: SweepColumns, errors: Array) -> Iterator[str]:
         yield f"{number} cases without an estimate of their error: {reason}."
 
 
-def _summary(columns: SweepColumns, status: NDArray[np.int8], errors: Array, n_channels: int) -> PageSection:
+def _summary(
+    columns: SweepColumns, status: NDArray[np.int8], errors: FloatArray, n_channels: int
+) -> PageSection:
     counts = {word: int((status == code).sum()) for code, word in [*_STATES.items(), (-1, _NOT_RUN)]}
     said = ", ".join(f"{number} {word}" for word, number in counts.items() if number)
     lines = [f"{len(status)} cases of {columns.plan.case_file.name}: {said}."]

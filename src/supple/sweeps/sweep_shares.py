@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.storage.sealed_hdf5 import open_sealed
 from supple.sweeps.part_file import CaseStatus, part_path, whole_parts
 from supple.sweeps.plan import SweepPlan
@@ -25,8 +25,6 @@ MOST_LEVELS = 2
 CERTIFIED_ALONE = 3
 """Largest number of repeated cases of a group with one certificate each, computed in parallel. One common
 certificate would need about as many full estimates, one after the other."""
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

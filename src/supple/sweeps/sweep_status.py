@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.sweeps.attempts import Attempts
 from supple.sweeps.part_file import CaseStatus
 from supple.sweeps.read_sweep import SweepColumns
 from supple.units import with_unit
 
 __all__ = ["CaseErrors", "FailedCase", "SweepStatus", "case_errors", "sweep_status"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -112,7 +111,7 @@ def sweep_status(folder: Path | str) -> SweepStatus:
     )
 
 
-def case_errors(estimated: Array, allowed: Array, reasons: NDArray[Any]) -> CaseErrors:
+def case_errors(estimated: FloatArray, allowed: FloatArray, reasons: NDArray[Any]) -> CaseErrors:
     """Summary of estimated errors, allowed errors and reasons without estimate, (n,) each.
 
     Unknown errors are NaN; the reason is "" for a case with an estimate.

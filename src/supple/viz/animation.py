@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.mesh.skin import Skin
 from supple.results.camera import Camera
@@ -25,9 +25,6 @@ from supple.viz.style import textbook_style
 
 __all__ = ["Traces", "animate"]
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 
 class Traces(NamedTuple):
     """Paths of k points; a frame shows each path up to the time of the frame.
@@ -36,8 +33,8 @@ class Traces(NamedTuple):
     points : (s, k, 3)          positions in space
     """
 
-    times: Array
-    points: Array
+    times: FloatArray
+    points: FloatArray
 
 
 _NO_TRACES = Traces(np.zeros(0), np.zeros((0, 0, 3)))
@@ -45,16 +42,16 @@ _NO_TRACES = Traces(np.zeros(0), np.zeros((0, 0, 3)))
 
 def animate(
     path: Path | str,
-    times: Array,
-    positions: Array,
+    times: FloatArray,
+    positions: FloatArray,
     skin: Skin | None,
     *,
     glyphs: Glyphs | None = None,
-    values: Array | None = None,
+    values: FloatArray | None = None,
     values_label: str = "",
     traces: Traces | None = None,
     camera: Camera | None = None,
-    undeformed: Array | None = None,
+    undeformed: FloatArray | None = None,
     caption: str = "",
     shown: IntArray | None = None,
     frames_per_second: float = 20.0,
@@ -114,7 +111,7 @@ def animate(
     return Picture(path)
 
 
-def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: bool) -> PixelWindow:
+def _page(camera: Camera, points: list[FloatArray], n_columns: int, *, is_marked: bool) -> PixelWindow:
     """The page that contains all points; with symbols, which extend beyond their points, a wider margin."""
     corners = np.concatenate([camera.project(each)[0].reshape(-1, 2) for each in points])
     return page_around(corners, n_columns, margin=0.08 if is_marked else 0.04, least_aspect=0.25)
@@ -136,22 +133,22 @@ def _drawn_once(
     return frame
 
 
-def _clock_words(times: Array, speed: str, units: UnitSystem, number: int) -> str:
+def _clock_words(times: FloatArray, speed: str, units: UnitSystem, number: int) -> str:
     """The time of a frame and, below, the speed of the animation."""
     return with_unit(f"t = {times[number]:.{_digits(times)}f}", units.time) + (f"\n{speed}" if speed else "")
 
 
-def _digits(times: Array) -> int:
+def _digits(times: FloatArray) -> int:
     """Decimals that distinguish the times of successive frames, at least two."""
     step = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
     return max(2, int(np.ceil(-np.log10(step)))) if step > 0.0 else 2
 
 
 def _check(
-    times: Array,
-    positions: Array,
+    times: FloatArray,
+    positions: FloatArray,
     skin: Skin | None,
-    values: Array | None,
+    values: FloatArray | None,
     glyphs: Glyphs | None,
     traces: Traces,
 ) -> None:

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray
 from supple.linearization import CampbellDiagram
 from supple.linearization.linear_machine import STANDING
 from supple.units import UNNAMED, UnitSystem, labelled, plain_number
@@ -17,7 +17,6 @@ from supple.viz.style import COLOURS, TEXT_WIDTH, new_figure, save_figure, textb
 
 __all__ = ["plot_campbell"]
 
-Array = NDArray[np.float64]
 
 N_ORDERS = 4
 """Number of multiples of the speed to draw."""
@@ -61,7 +60,7 @@ def plot_campbell(path: Path | str, diagram: CampbellDiagram, *, units: UnitSyst
         return save_figure(figure, path)
 
 
-def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
+def _draw_orders(axes: Axes, speeds: FloatArray, orders: FloatArray, top: float) -> None:
     """Multiples of the speed, with their names, on the branch of the fastest rotation."""
     slow, fast = np.argmin(orders), np.argmax(orders)
     ascending = np.argsort(speeds)
@@ -77,7 +76,9 @@ def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
         )
 
 
-def _draw_modes(axes: Axes, speeds: Array, frequencies: Array, names: Sequence[str], top: float) -> None:
+def _draw_modes(
+    axes: Axes, speeds: FloatArray, frequencies: FloatArray, names: Sequence[str], top: float
+) -> None:
     """Curves of the frequencies (ns, nm), with the name of each mode at the end of its curve."""
     followed = [
         (name, mode, int(known[-1]), COLOURS[number % len(COLOURS)])
@@ -99,7 +100,7 @@ def _draw_modes(axes: Axes, speeds: Array, frequencies: Array, names: Sequence[s
         )
 
 
-def _apart(heights: Array, top: float) -> Array:
+def _apart(heights: FloatArray, top: float) -> FloatArray:
     """Heights (n,) at which names do not overlap: shifted up where necessary, then down below the top."""
     order = np.argsort(heights, kind="stable")
     least = np.arange(len(heights)) * _LINE * top

@@ -10,14 +10,12 @@ from collections.abc import Mapping
 
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.machine import System
 from supple.machine.obstacles import Obstacle
 from supple.mesh.outer_faces import is_shell, outer_triangles
 from supple.methods.explicit.march.touching_surface import projected, touching_surface
-
-FloatArray = NDArray[np.float64]
 
 CLEARANCE = 5e-4
 """Distance of drawn nodes from the touched surface, relative to the largest extent of the bodies: about

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.mesh.skin import Skin
 from supple.results.camera import Camera
@@ -23,11 +23,8 @@ from supple.viz.style import COLOUR_MAP, INK, save_figure, textbook_style
 
 __all__ = ["plot_contour", "stress_field"]
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
-
-def stress_field(stress: Array, units: UnitSystem = UNNAMED) -> NodalField:
+def stress_field(stress: FloatArray, units: UnitSystem = UNNAMED) -> NodalField:
     """Field of von Mises stresses (N,), converted to MPa or psi; not converted if the units have no names."""
     unit, factor = units.stress_shown
     return NodalField(labelled("von Mises stress", unit), factor * np.asarray(stress))
@@ -35,13 +32,13 @@ def stress_field(stress: Array, units: UnitSystem = UNNAMED) -> NodalField:
 
 def plot_contour(
     path: Path | str,
-    nodes: Array,
+    nodes: FloatArray,
     skin: Skin,
     field: NodalField,
     *,
     n_bands: int = 10,
     node_ids: IntArray | None = None,
-    undeformed: Array | None = None,
+    undeformed: FloatArray | None = None,
     glyphs: Glyphs | None = None,
     camera: Camera | None = None,
     title: str = "",
@@ -102,7 +99,7 @@ def _bands(low: float, high: float, n_bands: int) -> ScalarMappable:
     return ScalarMappable(BoundaryNorm(edges, colormaps[COLOUR_MAP].N), COLOUR_MAP)
 
 
-def _mark(axes: Axes, page: PixelWindow, place: Array, words: str, *, dashed: bool) -> None:
+def _mark(axes: Axes, page: PixelWindow, place: FloatArray, words: str, *, dashed: bool) -> None:
     """Draw a ring around a place (2,); beside it, towards the middle of the picture, a text."""
     line = "dashed" if dashed else "solid"
     axes.scatter(*place, s=49.0, facecolors="none", edgecolors=INK, linestyles=line, zorder=4.0)

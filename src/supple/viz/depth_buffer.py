@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-IntArray = NDArray[np.int64]
-Array = NDArray[np.float64]
+from supple.arrays import FloatArray, IntArray
 
 # Pixels processed at a time, which limits the memory to some 50 MiB.
 _BATCH = 2**20
@@ -25,10 +23,10 @@ class VisibleTriangles:
 
     pixel: IntArray
     triangle: IntArray
-    weights: Array
+    weights: FloatArray
 
 
-def visible_triangles(corners: Array, nearness: Array, shape: tuple[int, int]) -> VisibleTriangles:
+def visible_triangles(corners: FloatArray, nearness: FloatArray, shape: tuple[int, int]) -> VisibleTriangles:
     """Resolve which triangle is nearest to the viewer at each pixel centre.
 
     Parameters
@@ -69,7 +67,7 @@ class _Spans:
     past: IntArray
 
 
-def _spans(corners: Array, shape: tuple[int, int]) -> _Spans:
+def _spans(corners: FloatArray, shape: tuple[int, int]) -> _Spans:
     rows, columns = shape
     x, y = corners[..., 0], corners[..., 1]
     # A triangle seen edge-on covers no pixel centre.
@@ -91,14 +89,16 @@ def _spans(corners: Array, shape: tuple[int, int]) -> _Spans:
     return _Spans(t[kept], row[kept], first[kept], past[kept])
 
 
-def _centres_between(low: Array, high: Array, n_pixels: int) -> tuple[IntArray, IntArray]:
+def _centres_between(low: FloatArray, high: FloatArray, n_pixels: int) -> tuple[IntArray, IntArray]:
     """First pixel whose centre lies in [low, high], and one past the last."""
     first = np.clip(np.ceil(low - 0.5), 0, n_pixels).astype(np.int64)
     past = np.clip(np.floor(high - 0.5) + 1.0, 0, n_pixels).astype(np.int64)
     return first, np.maximum(first, past)
 
 
-def _depth_along_row(corners: Array, nearness: Array, spans: _Spans) -> tuple[Array, Array]:
+def _depth_along_row(
+    corners: FloatArray, nearness: FloatArray, spans: _Spans
+) -> tuple[FloatArray, FloatArray]:
     """Slope and value at x = 0 of the nearness along each span; it is linear in x over a triangle."""
     t, y = spans.triangle, spans.row.astype(float) + 0.5
     at_zero, at_one = (np.einsum("si,si->s", _barycentric(corners, t, x, y), nearness[t]) for x in (0.0, 1.0))
@@ -111,12 +111,12 @@ def _batches(length: IntArray) -> list[tuple[int, int]]:
     return list(zip([0, *cuts], [*cuts, len(length)], strict=True))
 
 
-def _twice_area(corners: Array) -> Array:
+def _twice_area(corners: FloatArray) -> FloatArray:
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 
 
-def _barycentric(corners: Array, t: IntArray, x: Array | float, y: Array) -> Array:
+def _barycentric(corners: FloatArray, t: IntArray, x: FloatArray | float, y: FloatArray) -> FloatArray:
     ax, ay = corners[t, :, 0].T - x, corners[t, :, 1].T - y
     twice = np.stack(
         [ax[1] * ay[2] - ax[2] * ay[1], ax[2] * ay[0] - ax[0] * ay[2], ax[0] * ay[1] - ax[1] * ay[0]]

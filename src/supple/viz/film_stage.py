@@ -17,6 +17,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.mesh.skin import Skin
 from supple.results.camera import Camera
 from supple.units import UnitSystem
@@ -25,7 +26,6 @@ from supple.viz.mesh_plot import draw_cross, draw_length_bar, draw_outline
 from supple.viz.shaded_surface import PixelWindow, carry, render
 from supple.viz.style import COLOUR_MAP, COLOURS, SURFACE_COLOUR
 
-Array = NDArray[np.float64]
 Array8 = NDArray[np.uint8]
 
 _PIXELS_PER_INCH = 100
@@ -44,11 +44,11 @@ class Moving:
     clock : function of the number of a frame; returns the text of its time
     """
 
-    positions: Array
+    positions: FloatArray
     skin: Skin | None
     glyphs: Glyphs | None
-    values: Array | None
-    paths: Array
+    values: FloatArray | None
+    paths: FloatArray
     reached: NDArray[np.int64]
     clock: Callable[[int], str]
 
@@ -64,7 +64,7 @@ class Stage:
         *,
         label: str,
         caption: str,
-        undeformed: Array | None,
+        undeformed: FloatArray | None,
         units: UnitSystem,
     ) -> None:
         self._page, self._camera, self._moving = page, camera, moving

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body import RigidBody, in_space
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import GROUND, Joint, System
@@ -24,7 +25,6 @@ from supple.viz.style import COLOURS, INK, PALE_INK
 
 __all__ = ["Glyphs", "glyphs_of", "surface_glyphs"]
 
-Array = NDArray[np.float64]
 
 LEGEND_COLUMNS = 4
 """Columns of the legend of the marks."""
@@ -63,16 +63,16 @@ class Mark(NamedTuple):
     """Marks of one style at a point (t, 3), or at several points (t, k, 3)."""
 
     style: MarkStyle
-    places: Array
+    places: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class Glyphs:
     """Lines (t, s, 2, 3) from point to point, marks, and thin lines, at t times of a motion."""
 
-    lines: Array
+    lines: FloatArray
     marks: tuple[Mark, ...]
-    thin_lines: Array | None = None
+    thin_lines: FloatArray | None = None
     """Springs and ties of meshes, and outlines of walls, (t, k, 2, 3)"""
 
     @property
@@ -81,7 +81,7 @@ class Glyphs:
         return not self.marks and not self.lines.shape[1] and self.thin_lines is None
 
     @property
-    def points(self) -> Array:
+    def points(self) -> FloatArray:
         """All points (t, k, 3)."""
         drawn = [self.lines, *(mark.places for mark in self.marks)]
         drawn += [] if self.thin_lines is None else [self.thin_lines]
@@ -109,7 +109,7 @@ def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64
     A rigid body is drawn as lines from its centre of mass to its interfaces. A joint is drawn at its second
     end. A joint to the ground is drawn at its moving end, and the ground at the initial position of this end.
     """
-    lines: list[Array] = []
+    lines: list[FloatArray] = []
     marks: list[Mark] = []
     n_times = len(solution.times[rows])
     for name, body in system.bodies_of(RigidBody).items():
@@ -124,7 +124,7 @@ def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64
     return Glyphs(joined, tuple(sorted(marks, key=lambda mark: -mark.style.size)))
 
 
-def surface_glyphs(surface: BodySurface, nodes: Array) -> Glyphs | None:
+def surface_glyphs(surface: BodySurface, nodes: FloatArray) -> Glyphs | None:
     """Glyphs of the links and masses of a body with nodes at (t, N, 3); None if the body has neither."""
     if not (len(surface.links) or len(surface.masses)):
         return None

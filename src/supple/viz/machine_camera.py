@@ -6,16 +6,14 @@ from collections.abc import Mapping
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.integrate import Solution
 from supple.machine import RigidPlane, System
 from supple.quantities import node_positions
 from supple.results.body_surface import Look
 from supple.results.camera import Camera
 from supple.viz.glyphs import glyphs_of
-
-Array = NDArray[np.float64]
 
 _INSTANTS, _NODES = 20, 500
 """Numbers of output times, and of nodes of each body, that represent the extent of a motion."""
@@ -43,7 +41,7 @@ def machine_camera(system: System, solution: Solution, meshes: Mapping[str, Look
     return upright_camera(seen, system.gravity, np.reshape(walls, (-1, 3)))
 
 
-def upright_camera(points: Array, gravity: Array, walls: Array) -> Camera:
+def upright_camera(points: FloatArray, gravity: FloatArray, walls: FloatArray) -> Camera:
     """The camera for points (n, 3) and for walls with normals (w, 3), which point towards the bodies."""
     if not len(points):
         points = np.eye(3)

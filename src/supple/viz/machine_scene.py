@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.body import BodyForm
 from supple.errors import ModelError
 from supple.integrate import Motion, Solution
@@ -25,8 +25,6 @@ from supple.viz.contact_clearance import clear_of_contact
 from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of, surface_glyphs
 from supple.viz.scene import Actor, obstacle_actor, scene_of
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 _EDGE_ON = 0.05
 """Least cosine of the angle between the normal of a wall and the direction to the viewer.
 
@@ -47,11 +45,11 @@ class MachineScene:
     """
 
     skin: Skin | None
-    positions: Array
-    values: Array | None
+    positions: FloatArray
+    values: FloatArray | None
     label: str
     glyphs: Glyphs
-    undeformed: Array
+    undeformed: FloatArray
     farthest: Mapping[str, int]
 
     @property
@@ -71,14 +69,14 @@ class _Seen:
     surface: BodySurface | None
     motion: Motion
     observer: Observer | None
-    nodes: Array
+    nodes: FloatArray
 
 
 def machine_scene(
     system: System,
     solution: Solution,
     meshes: Mapping[str, Look | None],
-    rows: Rows,
+    rows: IntArray,
     camera: Camera,
     *,
     enlargement: float = 1.0,
@@ -156,7 +154,7 @@ def drawn_bodies(
     ]
 
 
-def _undeformed(seen: _Seen, rest: Solution | None) -> Array:
+def _undeformed(seen: _Seen, rest: Solution | None) -> FloatArray:
     """Positions (P, 3) of a surface: in a state of rest, or undeformed and moved with the observer.
 
     Without a state of rest, bodies without a frame have their positions at the first of the times.
@@ -173,7 +171,7 @@ def _seen(
     system: System,
     solution: Solution,
     meshes: Mapping[str, Look | None],
-    rows: Rows,
+    rows: IntArray,
     bases: Mapping[str, At],
 ) -> list[_Seen]:
     found = []
@@ -184,12 +182,12 @@ def _seen(
     return found
 
 
-def _carried(observer: Observer, rest: Array) -> Array:
+def _carried(observer: Observer, rest: FloatArray) -> FloatArray:
     """Undeformed positions (P, 3) moved with an interface, (t, P, 3)."""
     return observer.origin[:, None] + np.einsum("tij,pj->tpi", observer.axes, rest - observer.rest)
 
 
-def _enlarged(places: Array, seen: _Seen, rest: Array, enlargement: float) -> Array:
+def _enlarged(places: FloatArray, seen: _Seen, rest: FloatArray, enlargement: float) -> FloatArray:
     if enlargement == 1.0:
         return places
     if seen.observer is None:
@@ -202,7 +200,7 @@ def _enlarged(places: Array, seen: _Seen, rest: Array, enlargement: float) -> Ar
 
 
 def _obstacles(
-    system: System, offsets: Array, actors: list[Actor], camera: Camera
+    system: System, offsets: FloatArray, actors: list[Actor], camera: Camera
 ) -> tuple[list[Actor], list[Glyphs]]:
     """Obstacles as surfaces, but walls viewed from behind as outlines.
 

@@ -13,8 +13,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D, Affine2DBase, ScaledTranslation, Transform
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.mesh.feature_edges import feature_edges, silhouette_edges
 from supple.mesh.skin import Skin
@@ -35,7 +35,6 @@ from supple.viz.style import (
 
 __all__ = ["NodalField", "displacement_magnitude", "plot_mesh"]
 
-Array = NDArray[np.float64]
 
 N_COLUMNS = 1260
 BAR_GAP = 0.15
@@ -61,21 +60,21 @@ class NodalField:
     """
 
     label: str
-    values: Array
+    values: FloatArray
 
 
-def displacement_magnitude(displacements: Array, units: UnitSystem = UNNAMED) -> NodalField:
+def displacement_magnitude(displacements: FloatArray, units: UnitSystem = UNNAMED) -> NodalField:
     """Field of the magnitudes of nodal displacements (N, 3)."""
     return NodalField(labelled("displacement", units.length), np.linalg.norm(displacements, axis=1))
 
 
 def plot_mesh(
     path: Path | str,
-    nodes: Array,
+    nodes: FloatArray,
     skin: Skin | None,
     *,
     colour_by: NodalField | None = None,
-    undeformed: Array | None = None,
+    undeformed: FloatArray | None = None,
     glyphs: Glyphs | None = None,
     camera: Camera | None = None,
     title: str = "",
@@ -116,11 +115,11 @@ def plot_mesh(
 
 
 def draw_surface(
-    nodes: Array,
+    nodes: FloatArray,
     skin: Skin | None,
     *,
     colour_by: NodalField | None,
-    undeformed: Array | None,
+    undeformed: FloatArray | None,
     glyphs: Glyphs | None,
     camera: Camera | None,
     title: str,
@@ -176,7 +175,7 @@ def draw_surface(
     return figure, axes, camera
 
 
-def _with_free_corners(page: PixelWindow, plane: Array) -> PixelWindow:
+def _with_free_corners(page: PixelWindow, plane: FloatArray) -> PixelWindow:
     """The page, extended at the bottom if points (n, 2) lie where axis cross or length bar are drawn."""
     width = page.high[0] - page.low[0]
     right, up = ((plane - page.low) / width).T
@@ -185,7 +184,7 @@ def _with_free_corners(page: PixelWindow, plane: Array) -> PixelWindow:
     return PixelWindow(page.low - np.array([0.0, _CORNER * width]), page.high, page.n_columns)
 
 
-def check_positions(nodes: Array, skin: Skin) -> None:
+def check_positions(nodes: FloatArray, skin: Skin) -> None:
     """Raise ModelError if positions are not (N, 3) and finite, or if a node of the skin has none."""
     if nodes.ndim != 2 or nodes.shape[1] != 3:
         raise ModelError(f"cannot draw positions of shape {nodes.shape}: give (N, 3)")
@@ -199,7 +198,7 @@ def check_positions(nodes: Array, skin: Skin) -> None:
         raise ModelError(f"cannot draw: node {int(np.argmin(finite))} is not at a finite position")
 
 
-def draw_outline(axes: Axes, nodes: Array, skin: Skin, camera: Camera) -> None:
+def draw_outline(axes: Axes, nodes: FloatArray, skin: Skin, camera: Camera) -> None:
     """Draw rims, folds and silhouette of a surface as pale lines."""
     plane, _ = camera.project(nodes)
     towards = camera.axes[2]
@@ -257,7 +256,7 @@ def _round_length(length: float) -> float:
     return float(max(step * power for step in (1.0, 2.0, 5.0) if step * power <= length * (1.0 + 1e-9)))
 
 
-def checked_values(field: NodalField, n_nodes: int) -> Array:
+def checked_values(field: NodalField, n_nodes: int) -> FloatArray:
     """The values of a field; ModelError unless there is one per node, finite or NaN."""
     values = np.asarray(field.values, dtype=float)
     if values.shape != (n_nodes,) or np.isinf(values).any() or np.isnan(values).all():

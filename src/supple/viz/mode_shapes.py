@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.mesh.skin import Skin
 from supple.results.camera import Camera
@@ -21,12 +21,11 @@ from supple.viz.style import COLOUR_MAP, TEXT_WIDTH, new_figure, save_figure, te
 
 __all__ = ["mode_titles", "plot_mode_shapes"]
 
-Array = NDArray[np.float64]
 
 _PIXELS_PER_INCH = 200
 
 
-def mode_titles(frequencies: Array, units: UnitSystem = UNNAMED) -> list[str]:
+def mode_titles(frequencies: FloatArray, units: UnitSystem = UNNAMED) -> list[str]:
     """Titles such as "mode 1:  0.675 Hz", for frequencies (m,) in cycles per unit of time."""
     unit, factor = units.frequency_shown
     return [
@@ -37,15 +36,15 @@ def mode_titles(frequencies: Array, units: UnitSystem = UNNAMED) -> list[str]:
 
 def plot_mode_shapes(
     path: Path | str,
-    nodes: Array,
+    nodes: FloatArray,
     skin: Skin,
-    modes: Array,
+    modes: FloatArray,
     titles: Sequence[str],
     *,
     title: str = "",
     n_columns: int = 2,
     amplitude: float = 0.1,
-    glyphs: Callable[[Array], Glyphs | None] = lambda _: None,
+    glyphs: Callable[[FloatArray], Glyphs | None] = lambda _: None,
     camera: Camera | None = None,
 ) -> Path:
     """Draw modes in rows of n_columns, coloured by their displacements, over the outline of the body at rest.
@@ -119,7 +118,9 @@ def plot_mode_shapes(
         return save_figure(figure, path)
 
 
-def _checked_lengths(nodes: Array, modes: Array, titles: Sequence[str], n_columns: int) -> Array:
+def _checked_lengths(
+    nodes: FloatArray, modes: FloatArray, titles: Sequence[str], n_columns: int
+) -> FloatArray:
     """The displacement magnitudes (m, N) of modes; ModelError for modes that cannot be drawn."""
     if modes.ndim != 3 or not len(modes) or modes.shape[1:] != nodes.shape or len(titles) != len(modes):
         raise ModelError(

@@ -7,9 +7,9 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel
 from supple.integrate import Motion, Solution
@@ -24,8 +24,6 @@ from supple.viz.run_animation import animate_run
 from supple.viz.run_pictures import draw_machine
 
 __all__ = ["animate_mode", "draw_mode", "draw_rest"]
-
-Array = NDArray[np.float64]
 
 
 @checked_arguments
@@ -137,7 +135,7 @@ def _largest(system: System, motion: Solution, rest: Solution) -> float:
     return max(float(_displacement(each, motion.bodies[each.name], rest).max(initial=0.0)) for each in bodies)
 
 
-def _displacement(body: BodyForm, motion: Motion, rest: Solution) -> Array:
+def _displacement(body: BodyForm, motion: Motion, rest: Solution) -> FloatArray:
     """Displacement magnitudes (t, N) of all nodes from rest."""
     still = rest.bodies[body.name].at(np.array([0]))
     return np.linalg.norm(node_positions(body, motion) - node_positions(body, still), axis=2)

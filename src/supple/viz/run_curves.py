@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray
 from supple.integrate import Solution
 from supple.machine import System
 from supple.methods.explicit import ENERGIES, Energies
@@ -17,8 +17,6 @@ from supple.results import without_noise
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.style import as_written
 from supple.viz.time_history import NOISE, Panel, Series, plot_time_history
-
-Array = NDArray[np.float64]
 
 _APART = 5.0
 """Places share a panel if their common range is at most this multiple of the largest range of one place."""
@@ -60,7 +58,9 @@ def draw_energies(path: Path, solution: Solution, units: UnitSystem) -> Path:
     return plot_time_history(path, [Panel(labelled("energy", units.energy), shown)], units=units)
 
 
-def draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: Array, units: UnitSystem) -> Path:
+def draw_tracked(
+    path: Path, tracked: Mapping[str, TrackedMotion], times: FloatArray, units: UnitSystem
+) -> Path:
     """Plot of the motion of every place in global axes, and beside it the deflection of elastic places.
 
     Places that are far apart are drawn in separate panels.
@@ -84,7 +84,7 @@ def draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: Array,
     return plot_time_history(path, panels, n_columns=2 if elastic else 1, units=units)
 
 
-def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
+def _near(ways: Mapping[str, FloatArray], reach: float) -> Iterator[Sequence[str]]:
     """Groups of places that share a panel: the range of a group is not much larger than that of one place.
 
     ways : positions (t,) of each place along an axis;  reach : the largest position along any axis

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.machine.obstacles import Obstacle
 from supple.mesh.skin import Skin
@@ -15,16 +15,14 @@ from supple.results.obstacle_shape import obstacle_shape
 
 __all__ = ["Actor", "Scene", "obstacle_actor", "scene_of"]
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True, eq=False)
 class Actor:
     """One body in a scene: its skin, nodal positions (t, N, 3), and values (t, N) to colour by, if any."""
 
     skin: Skin
-    positions: Array
-    values: Array | None = None
+    positions: FloatArray
+    values: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +33,8 @@ class Scene:
     """
 
     skin: Skin
-    positions: Array
-    values: Array
+    positions: FloatArray
+    values: FloatArray
 
 
 def scene_of(actors: Sequence[Actor]) -> Scene:
@@ -59,7 +57,7 @@ def scene_of(actors: Sequence[Actor]) -> Scene:
     return Scene(skin, positions, np.concatenate(values, axis=1))
 
 
-def obstacle_actor(obstacle: Obstacle, offsets: Array, seen: Array) -> Actor:
+def obstacle_actor(obstacle: Obstacle, offsets: FloatArray, seen: FloatArray) -> Actor:
     """An obstacle moved by offsets (t, 3), drawn as large as the points (n, 3) of the bodies require."""
     points, triangles = obstacle_shape(obstacle, seen)
     return Actor(Skin(triangles, np.zeros(triangles.shape, dtype=bool)), points + offsets[:, None])

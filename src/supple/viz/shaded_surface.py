@@ -10,14 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.mesh.skin import Skin
 from supple.results.camera import Camera
 from supple.viz.depth_buffer import visible_triangles
 from supple.viz.style import SURFACE_COLOUR
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-Colouring = Callable[[Array], Array]
+Colouring = Callable[[FloatArray], FloatArray]
 """Function of values (p,); returns red, green, blue (p, 3) in [0, 1]."""
 
 # Unit vector to the light, over the viewer's left shoulder. Components: right, up, towards the viewer.
@@ -38,8 +37,8 @@ class PixelWindow:
     n_columns : int     pixels across
     """
 
-    low: Array
-    high: Array
+    low: FloatArray
+    high: FloatArray
     n_columns: int
 
     @property
@@ -54,7 +53,7 @@ class PixelWindow:
 
 
 def page_around(
-    points: Array, n_columns: int, *, margin: float = 0.04, least_aspect: float = 0.12
+    points: FloatArray, n_columns: int, *, margin: float = 0.04, least_aspect: float = 0.12
 ) -> PixelWindow:
     """Window around all projected points (..., 2).
 
@@ -72,14 +71,14 @@ def page_around(
 
 
 def render(
-    nodes: Array,
+    nodes: FloatArray,
     skin: Skin,
     camera: Camera,
     page: PixelWindow,
     *,
-    values: Array | None = None,
+    values: FloatArray | None = None,
     colouring: Colouring | None = None,
-) -> Array:
+) -> FloatArray:
     """Picture (rows, columns, 4) of a surface: RGB and alpha from the bottom row; transparent elsewhere.
 
     Both sides are lit equally, because both sides of a shell can be visible. With nodal values (N,) and a
@@ -103,7 +102,7 @@ def render(
     return _average(np.clip(colour, 0.0, 1.0), row // k, column // k, (page.n_rows, page.n_columns))
 
 
-def is_seen(nodes: Array, skin: Skin, camera: Camera, page: PixelWindow, node: int) -> bool:
+def is_seen(nodes: FloatArray, skin: Skin, camera: Camera, page: PixelWindow, node: int) -> bool:
     """Whether a node is visible, not hidden behind another part of the surface."""
     plane, nearness = camera.project(nodes[skin.triangles])
     corners = (plane - page.low) / page.pixel
@@ -115,7 +114,7 @@ def is_seen(nodes: Array, skin: Skin, camera: Camera, page: PixelWindow, node: i
     return bool((skin.triangles[seen.triangle[near]] == node).any())
 
 
-def show(axes: Axes, picture: Array, page: PixelWindow) -> None:
+def show(axes: Axes, picture: FloatArray, page: PixelWindow) -> None:
     """Draw a picture on axes, with the window's coordinates as limits, equal scales and no frame."""
     extent = (page.low[0], page.high[0], page.low[1], page.high[1])
     axes.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=2.0)
@@ -130,7 +129,7 @@ def carry(axes: Axes, page: PixelWindow) -> None:
     axes.set_axis_off()
 
 
-def _lighting(corners: Array) -> tuple[Array, Array]:
+def _lighting(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Brightness of the colour and white gloss (T,) of triangles with corners (T, 3, 3) in camera axes."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
@@ -139,7 +138,9 @@ def _lighting(corners: Array) -> tuple[Array, Array]:
     return _AMBIENT + (1.0 - _AMBIENT) * lit, 0.2 * lit**12
 
 
-def _on_mesh_line(corners: Array, lined: NDArray[np.bool_], triangle: IntArray, weights: Array) -> Array:
+def _on_mesh_line(
+    corners: FloatArray, lined: NDArray[np.bool_], triangle: IntArray, weights: FloatArray
+) -> FloatArray:
     """1 at pixels closer to a mesh line than half its width, 0 elsewhere; 0 everywhere on a fine mesh."""
     sides = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
     twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
@@ -150,7 +151,7 @@ def _on_mesh_line(corners: Array, lined: NDArray[np.bool_], triangle: IntArray, 
     return (distance < 0.4 * _SUPERSAMPLING).astype(float)
 
 
-def _average(colours: Array, row: IntArray, column: IntArray, shape: tuple[int, int]) -> Array:
+def _average(colours: FloatArray, row: IntArray, column: IntArray, shape: tuple[int, int]) -> FloatArray:
     """Picture (rows, columns, 4) of the mean colours of the fine pixels (p, 3) within each pixel.
 
     row, column : (p,)      of the pixel that contains each fine pixel

@@ -10,9 +10,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arrays import AnyArray
 from supple.body import BodyForm, FullBody, RigidBody
 from supple.equations.build_model import build_model
-from supple.equations.configuration import AnyArray
 from supple.equations.floating_inertia import frame_momenta, kinetic_energy, velocity_fields
 from supple.equations.full_inertia import FullInertia
 from supple.equations.polynomial_force import Quartic, polynomial_energy

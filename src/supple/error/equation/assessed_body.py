@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body import Damping, FullBody
 from supple.error.equation.elastic_polynomial import ElasticPolynomial
 from supple.error.equation.error_model import body_of_columns
@@ -18,8 +18,6 @@ from supple.error.equation.run_columns import RunColumns
 from supple.reduction import ReducedBody
 
 __all__ = ["AssessedBody", "MissedAtRest", "StartError"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +48,7 @@ class AssessedBody:
     def squares(self) -> NodalSquares:
         """Mean squares over the nodes of an error in these columns."""
 
-        def at_nodes(columns: Array) -> Array:
+        def at_nodes(columns: FloatArray) -> FloatArray:
             return np.moveaxis(self.full.expand(columns.T), 0, 2)
 
         return nodal_squares(self.full.nodes, at_nodes(self.motion.vectors), at_nodes(self.space.vectors))
@@ -66,12 +64,12 @@ class AssessedBody:
 class MissedAtRest(NamedTuple):
     """Quasi-static motion outside the basis of a body, at some times (k,): displacements (n, k)."""
 
-    times: Array
-    deformation: Array
+    times: FloatArray
+    deformation: FloatArray
 
 
 class StartError(NamedTuple):
     """True start less the run's start of one body: positions and velocities `(dR, psi, q)`, (6 + n,) each."""
 
-    position: Array
-    velocity: Array
+    position: FloatArray
+    velocity: FloatArray

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
-from supple.arrays import IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.body import FlexibleBody
 from supple.error.equation.products_of_run import (
     few_instants,
@@ -34,7 +34,6 @@ __all__ = [
     "unit_stiffness",
 ]
 
-Array = NDArray[np.float64]
 
 SMALLEST_MONOMIAL = 1e-6
 """Pivot of the monomials, relative to the largest pivot, below which no sample time is added. For strips with
@@ -70,10 +69,10 @@ class ForcePolynomial:
     cubic : (s, k, n2)
     """
 
-    quadratic: Array
-    cubic: Array
+    quadratic: FloatArray
+    cubic: FloatArray
 
-    def __call__(self, coordinates: Array) -> Array:
+    def __call__(self, coordinates: FloatArray) -> FloatArray:
         """Forces (t, k) at coordinates g (t, s)."""
         first, second = np.triu_indices(coordinates.shape[1])
         gained = np.empty((len(coordinates), len(self.quadratic)))
@@ -111,10 +110,10 @@ class StrainRatePolynomial:
     cubic : (s, k, n2)      as in `ForcePolynomial`
     """
 
-    bilinear: Array
-    cubic: Array
+    bilinear: FloatArray
+    cubic: FloatArray
 
-    def __call__(self, coordinates: Array, rates: Array) -> Array:
+    def __call__(self, coordinates: FloatArray, rates: FloatArray) -> FloatArray:
         """Forces (t, k) per unit of retardation time at coordinates g and rates (t, s)."""
         gained = np.empty((len(coordinates), len(self.bilinear)))
         for start in range(0, len(coordinates), FACTOR_ROWS):
@@ -136,7 +135,7 @@ def strain_rate_polynomial(works: StrainWorks) -> StrainRatePolynomial:
     return StrainRatePolynomial(bilinear.reshape(len(bilinear), -1), works.cubic * once)
 
 
-def _pairs(works: StrainWorks) -> tuple[IntArray, IntArray, Array]:
+def _pairs(works: StrainWorks) -> tuple[IntArray, IntArray, FloatArray]:
     """First and second index of the pairs j <= k, and their weights: 1, or 1/2 for j = k."""
     first, second = np.triu_indices(works.turned.shape[2])
     return first, second, np.where(first == second, 0.5, 1.0)
@@ -156,16 +155,16 @@ class TangentHistory:
     weights : (t, m)
     """
 
-    whole: Array
-    material: Array
-    weights: Array
+    whole: FloatArray
+    material: FloatArray
+    weights: FloatArray
 
 
 def tangent_history(
     body: FlexibleBody,
-    motion: Array,
-    coordinates: Array,
-    onto: Array,
+    motion: FloatArray,
+    coordinates: FloatArray,
+    onto: FloatArray,
     *,
     material: bool = False,
     proven: float = PROVEN,
@@ -190,9 +189,9 @@ def tangent_history(
     products = monomials(g)
     chosen = few_instants(products, SMALLEST_MONOMIAL, MOST_SAMPLES)
     at_rest = _projected(body.stiffness, onto)
-    whole_at: dict[int, Array] = {}
+    whole_at: dict[int, FloatArray] = {}
 
-    def of_strains(instant: int) -> Array:
+    def of_strains(instant: int) -> FloatArray:
         """Change of the material part; the change of the whole tangent is stored in `whole_at`."""
         through_strains, of_stress = (
             _projected(part, onto) for part in body.assembly.tangent_parts(motion @ coordinates[instant])
@@ -200,7 +199,7 @@ def tangent_history(
         whole_at[instant] = through_strains + of_stress - at_rest
         return through_strains - at_rest
 
-    def gained(instant: int) -> Array:
+    def gained(instant: int) -> FloatArray:
         if instant in whole_at:
             return whole_at[instant]
         return _projected(body.assembly.tangent(motion @ coordinates[instant]), onto) - at_rest
@@ -217,13 +216,13 @@ def tangent_history(
 
 
 def _samples(
-    matrix_at: Callable[[int], Array],
+    matrix_at: Callable[[int], FloatArray],
     n: int,
-    products: Array,
+    products: FloatArray,
     chosen: NDArray[np.intp],
-    at_rest: Array,
+    at_rest: FloatArray,
     proven: float,
-) -> Array:
+) -> FloatArray:
     """Matrices (m, k, k) at the first m sample times; m grows until earlier matrices reproduce the new ones.
 
     n : number of coordinates of the body
@@ -243,7 +242,7 @@ def _samples(
     return samples
 
 
-def unit_stiffness(stiffness: Array) -> Array:
+def unit_stiffness(stiffness: FloatArray) -> FloatArray:
     """Columns C (k, k) with C^T K C = I for a stiffness K; columns of its null space are zero."""
     values, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2)
     stiff = values > np.finfo(float).eps * len(values) * values[-1]
@@ -264,16 +263,16 @@ class StrainRateHistory:
     weights : (t, m)
     """
 
-    samples: Array
-    weights: Array
+    samples: FloatArray
+    weights: FloatArray
 
 
 def strain_rate_history(
     body: FlexibleBody,
-    motion: Array,
-    coordinates: Array,
-    rates: Array,
-    onto: Array,
+    motion: FloatArray,
+    coordinates: FloatArray,
+    rates: FloatArray,
+    onto: FloatArray,
     time: float,
     *,
     proven: float = PROVEN,
@@ -291,7 +290,7 @@ def strain_rate_history(
     products = rate_monomials(coordinates * scale, rates * scale)
     chosen = few_instants(products, SMALLEST_RATE, MOST_SAMPLES)
 
-    def added(instant: int) -> Array:
+    def added(instant: int) -> FloatArray:
         q, moving = motion @ coordinates[instant], motion @ rates[instant]
         return _projected(body.assembly.strain_rate_tangent(q, moving), onto)
 
@@ -300,11 +299,11 @@ def strain_rate_history(
     return StrainRateHistory(samples, weights_of_instants(products, chosen[: len(samples)], products))
 
 
-def _projected(matrix: csc_array | csr_array, onto: Array) -> Array:
+def _projected(matrix: csc_array | csr_array, onto: FloatArray) -> FloatArray:
     return onto.T @ (matrix @ onto)
 
 
-def _unit_energies(body: FlexibleBody, motion: Array, coordinates: Array) -> Array | None:
+def _unit_energies(body: FlexibleBody, motion: FloatArray, coordinates: FloatArray) -> FloatArray | None:
     """Factors (s,) that scale each coordinate to an energy norm of at most 1; None if all are zero."""
     # The energy of a motion without strain is round-off, of either sign.
     scale = np.sqrt(np.maximum(np.sum(motion * (body.stiffness @ motion), axis=0), 0.0))

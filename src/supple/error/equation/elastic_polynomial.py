@@ -18,15 +18,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.error.equation.elastic_history import force_polynomial, strain_rate_polynomial
 from supple.fem import StrainWorks
 from supple.reduction.tensors import StrainProducts, unpack_symmetric
 
 __all__ = ["ElasticPolynomial", "works_on_themselves"]
-
-Array = NDArray[np.float64]
 
 
 def works_on_themselves(products: StrainProducts) -> StrainWorks:
@@ -65,16 +63,16 @@ class ElasticPolynomial:
             self.works.linear[:, kept], self.works.turned[:, :s, :s], self.works.cubic[:s][..., kept]
         )
 
-    def force(self, coordinates: Array) -> Array:
+    def force(self, coordinates: FloatArray) -> FloatArray:
         """Forces (t, k) beyond the stiffness at rest, at coordinates (t, s)."""
         return force_polynomial(self._of_motion)(coordinates)
 
-    def strain_rate_force(self, coordinates: Array, rates: Array) -> Array:
+    def strain_rate_force(self, coordinates: FloatArray, rates: FloatArray) -> FloatArray:
         """Forces (t, k) of the strain rates beyond those at rest, per unit of retardation time."""
         return strain_rate_polynomial(self._of_motion)(coordinates, rates)
 
     @cached_property
-    def tangents(self) -> tuple[Array, Array]:
+    def tangents(self) -> tuple[FloatArray, FloatArray]:
         """Tangents per monomial of `monomials`, and their material parts, (m, k, k) each."""
         linear, turned, cubic = self._symmetric
         first, second = np.triu_indices(self.n_motion)
@@ -96,7 +94,7 @@ class ElasticPolynomial:
         return whole, material
 
     @cached_property
-    def rate_tangents(self) -> Array:
+    def rate_tangents(self) -> FloatArray:
         """Tangents per monomial of `rate_monomials`, per unit of retardation time, (s + s^2, k, k)."""
         _, _, cubic = self._symmetric
         s, k = self.n_motion, cubic.shape[0]
@@ -106,12 +104,12 @@ class ElasticPolynomial:
         return np.concatenate([own, products.reshape(s * s, k, k)])
 
     @cached_property
-    def _symmetric(self) -> tuple[Array, Array, Array]:
+    def _symmetric(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Linear (k, k, k), turned, and cubic (i, k, k, k) works, with both orders of each pair."""
         k = self.works.turned.shape[2]
         first, second = np.triu_indices(k)
 
-        def both(packed: Array) -> Array:
+        def both(packed: FloatArray) -> FloatArray:
             full = np.empty((*packed.shape[:-1], k, k))
             full[..., first, second] = full[..., second, first] = packed
             return full
@@ -119,7 +117,7 @@ class ElasticPolynomial:
         return both(self.works.linear), self.works.turned, both(self.works.cubic)
 
     @cached_property
-    def _bilinear(self) -> Array:
+    def _bilinear(self) -> FloatArray:
         """Bilinear coefficients B (k, k, k)."""
         linear, turned, _ = self._symmetric
         return linear + turned

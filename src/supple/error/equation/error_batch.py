@@ -8,8 +8,8 @@ from functools import lru_cache, partial
 import jax
 import numpy as np
 
+from supple.arrays import AnyArray
 from supple.equations.compiler_options import MARCHING
-from supple.equations.configuration import AnyArray
 from supple.error.equation.error_history import ErrorEquation
 from supple.error.equation.linearised_march import (
     ElasticGain,

@@ -11,6 +11,7 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body import in_space
 from supple.equations.build_model import build_model
 from supple.equations.configuration import Configuration, SystemMotion
@@ -42,7 +43,6 @@ from supple.machine import System
 
 __all__ = ["ErrorEquation", "ErrorHistory", "TangentMotion"]
 
-Array = NDArray[np.float64]
 
 MORE_DIRECTIONS = 8
 """Largest number of directions of an error that become columns of the motion."""
@@ -55,9 +55,9 @@ FEWEST_SAMPLES = 32
 class _InColumns(NamedTuple):
     """Motion of a body in columns Z C of its error space: `chosen` C (k, s), coordinates and rates (t, s)."""
 
-    chosen: Array
-    coordinates: Array
-    rates: Array
+    chosen: FloatArray
+    coordinates: FloatArray
+    rates: FloatArray
 
 
 TangentMotion = Mapping[str, _InColumns]
@@ -83,19 +83,19 @@ class ErrorHistory:
     """
 
     body: AssessedBody
-    times: Array
-    rotation: Array
-    origin: Array
-    turn: Array
-    coordinates: Array
-    rms: Array
+    times: FloatArray
+    rotation: FloatArray
+    origin: FloatArray
+    turn: FloatArray
+    coordinates: FloatArray
+    rms: FloatArray
 
     @property
-    def deformation(self) -> Array:
+    def deformation(self) -> FloatArray:
         """Columns Z (n, k)."""
         return self.body.space.vectors
 
-    def at_nodes(self, row: int) -> Array:
+    def at_nodes(self, row: int) -> FloatArray:
         """Error of every node in space, (N, 3), at one step."""
         full, motion = self.body.full, self.body.motion
         place = full.nodes + full.expand(motion.vectors @ motion.coordinates[row])
@@ -142,7 +142,7 @@ class ErrorEquation:
         """Set the gains of this run to those computed for many runs together."""
         object.__setattr__(self, "gains", dict(gains))
 
-    def stiffness(self, name: str, row: int) -> Array:
+    def stiffness(self, name: str, row: int) -> FloatArray:
         """Tangent `Z^T K_t Z` (k, k) of a nonlinear body at a step of the run."""
         k = self.bodies[name].space.size
         gain, history = self.gains[name]
@@ -223,13 +223,13 @@ class ErrorEquation:
         motions = {name: steps.motion(name, FloatingMotion) for name in names}
         sizes = {name: place.stop - place.start for name, place in self._coordinate_places.items()}
 
-        def deformation(name: str, of_run: str, of_columns: str) -> Array:
+        def deformation(name: str, of_run: str, of_columns: str) -> FloatArray:
             if name not in self.bodies:
                 return getattr(motions[name], of_run)
             own = getattr(self.bodies[name].motion, of_columns)
             return np.pad(own, ((0, 0), (0, sizes[name] - own.shape[1])))
 
-        def joined(linear: str, angular: str, *coordinates: str) -> Array:
+        def joined(linear: str, angular: str, *coordinates: str) -> FloatArray:
             parts = []
             for name in names:
                 own = motions[name]
@@ -329,14 +329,14 @@ class ErrorEquation:
             motion.multipliers - run.multipliers,
         )
 
-    def _composed(self, first: Array, more: Array) -> Array:
+    def _composed(self, first: FloatArray, more: FloatArray) -> FloatArray:
         """Composition of two successive differences of positions."""
         composed = first + more
         rows = self.model.frames.index[:, 3:]
         composed[:, rows] = rotation_vectors(rotations(first[:, rows]) @ rotations(more[:, rows]))
         return composed
 
-    def start_vectors(self) -> tuple[Array, Array]:
+    def start_vectors(self) -> tuple[FloatArray, FloatArray]:
         """Differences of positions and velocities at the start."""
         position, velocity = np.zeros(self.model.n_velocities), np.zeros(self.model.n_velocities)
         for name, error in self.start.items():
@@ -352,8 +352,8 @@ class ErrorEquation:
     def _march(
         self,
         point: _Point,
-        position: Array,
-        velocity: Array,
+        position: FloatArray,
+        velocity: FloatArray,
         tangents: TangentMotion | None = None,
     ) -> ErrorState:
         """The linearised march about a motion, from start differences of positions and velocities.
@@ -395,10 +395,10 @@ class ErrorEquation:
         else:
             own = _from_polynomial(assessed, assessed.polynomial, motion, self.proven)
 
-        def padded(samples: Array) -> Array:
+        def padded(samples: FloatArray) -> FloatArray:
             return np.pad(samples, ((0, self._more(len(samples))), (0, size - k), (0, size - k)))
 
-        def filled(weights: Array) -> Array:
+        def filled(weights: FloatArray) -> FloatArray:
             return np.pad(weights, ((0, 0), (0, self._more(weights.shape[1]))))
 
         gain = ElasticGain(
@@ -423,7 +423,7 @@ class ErrorEquation:
         fewest = self.fewest_samples
         return (fewest << max(0, (number - 1) // fewest).bit_length()) - number if number else 0
 
-    def _history(self, name: str, errors: Array) -> ErrorHistory:
+    def _history(self, name: str, errors: FloatArray) -> ErrorHistory:
         assessed, own = self.bodies[name], self.steps.motion(name, FloatingMotion)
         motion = assessed.motion
         coordinates = errors[:, 6 : 6 + assessed.space.size]
@@ -436,13 +436,13 @@ class ErrorEquation:
 class _Elasticity(NamedTuple):
     """Effect of a body's deformation along a motion: fields as in `ElasticGain` and `GainHistory`."""
 
-    force: Array
-    viscous_force: Array
-    stiffness: Array
-    viscous: Array
-    viscous_stiffness: Array
-    weights: Array
-    rate_weights: Array
+    force: FloatArray
+    viscous_force: FloatArray
+    stiffness: FloatArray
+    viscous: FloatArray
+    viscous_stiffness: FloatArray
+    weights: FloatArray
+    rate_weights: FloatArray
 
 
 def _from_instants(
@@ -498,7 +498,7 @@ def _from_polynomial(
     )
 
 
-def _with_directions(errors: Array, n_motion: int) -> Array:
+def _with_directions(errors: FloatArray, n_motion: int) -> FloatArray:
     """Columns (k, s): the first ones, and the leading directions of the errors (t, k) outside them."""
     outside = errors[:, n_motion:]
     _, sizes, rows = np.linalg.svd(outside, full_matrices=False)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body import Damping, FlexibleBody, Frame, inertia_gram
 from supple.body.damping import damping_matrix
 from supple.machine import Placed, System
@@ -15,7 +15,6 @@ from supple.reduction import ReducedBody, ReducedInterface, ReductionReport, fil
 
 __all__ = ["body_of_columns", "padded_size", "system_of_columns"]
 
-Array = NDArray[np.float64]
 
 MULTIPLE = 32
 MOST_DOUBLED = 128
@@ -34,7 +33,7 @@ def padded_size(size: int, steps: float) -> int:
 
 
 def body_of_columns(
-    body: FlexibleBody, frame: Frame, columns: Array, damping: Damping | None, steps: float
+    body: FlexibleBody, frame: Frame, columns: FloatArray, damping: Damping | None, steps: float
 ) -> ReducedBody:
     """A body reduced to columns (n, k), linearised about its undeformed state, with padding coordinates.
 

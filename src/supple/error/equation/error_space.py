@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from supple.algebra import read_only
+from supple.arrays import FloatArray
 from supple.body import FlexibleBody, Frame, frame_projector
 
 __all__ = ["ErrorSpace", "ModesInFrame", "error_space", "modes_in_frame", "small_space"]
 
-Array = NDArray[np.float64]
 
 N_MODES = 40
 N_CORRECTIONS = 30
@@ -35,7 +34,7 @@ class ErrorSpace:
     n_motion : int      number of columns in which the run moves
     """
 
-    vectors: Array
+    vectors: FloatArray
     n_motion: int
 
     def __post_init__(self) -> None:
@@ -53,7 +52,7 @@ class ModesInFrame:
 
     body: FlexibleBody
     frame: Frame
-    vectors: Array
+    vectors: FloatArray
 
 
 def modes_in_frame(body: FlexibleBody, frame: Frame, number: int = N_MODES) -> ModesInFrame:
@@ -64,7 +63,9 @@ def modes_in_frame(body: FlexibleBody, frame: Frame, number: int = N_MODES) -> M
     return ModesInFrame(body, frame, found.vectors)
 
 
-def error_space(modes: ModesInFrame, motion: Array, corrections: Array, deformed: Array) -> ErrorSpace:
+def error_space(
+    modes: ModesInFrame, motion: FloatArray, corrections: FloatArray, deformed: FloatArray
+) -> ErrorSpace:
     """Z = orth_M [ V | modes | corrections | couplings ], on D q = 0.
 
     The modes represent vibrations, the corrections balance the run's residual at rest, and the couplings are
@@ -94,7 +95,7 @@ def error_space(modes: ModesInFrame, motion: Array, corrections: Array, deformed
     return ErrorSpace(space.columns, motion.shape[1])
 
 
-def small_space(modes: ModesInFrame, motion: Array, fields: Array, number: int) -> ErrorSpace:
+def small_space(modes: ModesInFrame, motion: FloatArray, fields: FloatArray, number: int) -> ErrorSpace:
     """Z = orth_M [ V | fields | modes ], on D q = 0, with `number` columns besides V.
 
     motion : (n, s) V;  fields : (n, m), whose leading directions are at most half of these columns
@@ -105,7 +106,7 @@ def small_space(modes: ModesInFrame, motion: Array, fields: Array, number: int) 
     return ErrorSpace(space.columns, motion.shape[1])
 
 
-def _couplings(modes: ModesInFrame, deformed: Array) -> Array:
+def _couplings(modes: ModesInFrame, deformed: FloatArray) -> FloatArray:
     body, shapes = modes.body, modes.vectors
     at_rest = body.stiffness @ shapes
     pushes = np.hstack([body.assembly.tangent(q) @ shapes - at_rest for q in deformed.T])
@@ -118,12 +119,12 @@ def _couplings(modes: ModesInFrame, deformed: Array) -> Array:
 class _Growing:
     """M-orthonormal columns with D q = 0, extended block by block."""
 
-    def __init__(self, body: FlexibleBody, frame: Frame, first: Array) -> None:
+    def __init__(self, body: FlexibleBody, frame: Frame, first: FloatArray) -> None:
         self._mass = body.mass
         self._seen = frame_projector(body, frame)
         self.columns = np.asarray(first)
 
-    def add(self, fields: Array, most: int | None = None) -> None:
+    def add(self, fields: FloatArray, most: int | None = None) -> None:
         """Append the leading directions of fields outside the columns, at most `most` of them."""
         if not fields.size:
             return
@@ -139,11 +140,11 @@ class _Growing:
         whole = lengths > HALF  # the others lie within the columns, which are then nearly complete
         self.columns = np.hstack([self.columns, new @ (weights[:, whole] / lengths[whole])])
 
-    def _outside(self, fields: Array) -> Array:
+    def _outside(self, fields: FloatArray) -> FloatArray:
         return fields - self.columns @ (self.columns.T @ (self._mass @ fields))
 
 
-def _lengths(fields: Array, mass: csc_array) -> tuple[Array, Array]:
+def _lengths(fields: FloatArray, mass: csc_array) -> tuple[FloatArray, FloatArray]:
     """Weights (m, m) of the principal directions of fields (n, m) in the M-norm, and their lengths (m,)."""
     gram = fields.T @ (mass @ fields)
     squares, weights = np.linalg.eigh((gram + gram.T) / 2)

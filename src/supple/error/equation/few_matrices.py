@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from supple.arrays import FloatArray
 
 __all__ = ["FewMatrices", "few_matrices"]
 
-Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-14
 """Ratio to the largest eigenvalue of the Gram matrix below which an eigenvalue is round-off."""
@@ -23,11 +23,13 @@ ROUND_OFF = 1e-14
 class FewMatrices(NamedTuple):
     """For each set, q matrices (q, k, k); and their weights along the runs (t, q)."""
 
-    sets: tuple[Array, ...]
-    weights: Array
+    sets: tuple[FloatArray, ...]
+    weights: FloatArray
 
 
-def few_matrices(sets: Sequence[Array], weights: Array, unit: Array, missed: float) -> FewMatrices:
+def few_matrices(
+    sets: Sequence[FloatArray], weights: FloatArray, unit: FloatArray, missed: float
+) -> FewMatrices:
     """The fewest leading combinations of matrices that give the sums along runs to the allowed error.
 
         sum_i w_i(t) S_i = sum_q w'_q(t) S'_q + R(t),    |U^T R U|_F <= missed   at every step

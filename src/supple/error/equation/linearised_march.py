@@ -34,9 +34,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian
+from supple.arrays import AnyArray
 from supple.equations.balance import Linearization, balance, tangent
 from supple.equations.compiler_options import MARCHING
-from supple.equations.configuration import AnyArray, SystemMotion, advance
+from supple.equations.configuration import SystemMotion, advance
 from supple.equations.joint_force import constraint_rows
 from supple.equations.machine_model import STATIC, Model
 from supple.integrate import Coefficients, StepFactors, StepRule

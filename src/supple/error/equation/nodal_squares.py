@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body.rigid_motion import cross_of_axes
 
 __all__ = ["NodalSquares", "nodal_squares"]
-
-Array = NDArray[np.float64]
 
 
 class NodalSquares(NamedTuple):
@@ -20,9 +18,16 @@ class NodalSquares(NamedTuple):
     gram : (6 + 3 s + k, 6 + 3 s + k)
     """
 
-    gram: Array
+    gram: FloatArray
 
-    def rms(self, rotation: Array, origin: Array, turn: Array, coordinates: Array, error: Array) -> Array:
+    def rms(
+        self,
+        rotation: FloatArray,
+        origin: FloatArray,
+        turn: FloatArray,
+        coordinates: FloatArray,
+        error: FloatArray,
+    ) -> FloatArray:
         """Root mean square over the nodes of `dR + A (e + psi x (X + V g))`, (t,).
 
         rotation (t, 3, 3) A;  origin (t, 3) dR;  turn (t, 3) psi;  coordinates (t, s) g;  error (t, k) e
@@ -34,7 +39,7 @@ class NodalSquares(NamedTuple):
             return np.sqrt(np.maximum(np.sum(fields * (fields @ self.gram), axis=1), 0.0))
 
 
-def nodal_squares(nodes: Array, motion: Array, onto: Array) -> NodalSquares:
+def nodal_squares(nodes: FloatArray, motion: FloatArray, onto: FloatArray) -> NodalSquares:
     """Gram matrix from nodes (N, 3), fields of the run's motion (N, 3, s) and of its error (N, 3, k)."""
     N = len(nodes)
     turned = cross_of_axes(np.moveaxis(motion, 2, 1))  # (N, s, component, axis)

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.error.equation.error_history import ErrorEquation, ErrorHistory
 
 __all__ = ["second_corrections"]
 
-Array = NDArray[np.float64]
 
 MOST_INSTANTS = 10
 """Largest number of times at which a second correction is computed."""
@@ -34,7 +34,7 @@ def second_corrections(equation: ErrorEquation, histories: Mapping[str, ErrorHis
     }
 
 
-def _second_correction(history: ErrorHistory, stiffness: Callable[[int], Array]) -> float:
+def _second_correction(history: ErrorHistory, stiffness: Callable[[int], FloatArray]) -> float:
     """The ratio for a nonlinear body; `stiffness` gives `Z^T K_t Z` (k, k) at a step of the run."""
     assessed = history.body
     motion, Z = assessed.motion, assessed.space.vectors
@@ -54,7 +54,7 @@ def _second_correction(history: ErrorHistory, stiffness: Callable[[int], Array])
     return largest
 
 
-def _worst(rms: Array) -> NDArray[np.intp]:
+def _worst(rms: FloatArray) -> NDArray[np.intp]:
     """Indices of the steps with the largest errors, at some distance from each other."""
     spans = np.array_split(np.arange(len(rms)), min(len(rms), 4 * MOST_INSTANTS))
     peaks = np.array([span[np.argmax(rms[span])] for span in spans])

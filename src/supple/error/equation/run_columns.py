@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body import FlexibleBody, frame_projector
 from supple.error.equation.products_of_run import few_instants, pair_products, weights_of_instants
 from supple.integrate import FloatingMotion
@@ -14,7 +14,6 @@ from supple.reduction import Condensation, ReducedBody, ReductionBasis
 
 __all__ = ["MotionColumns", "RunColumns", "motion_columns", "run_columns"]
 
-Array = NDArray[np.float64]
 
 MOST_FOLLOWING = 12
 """Largest number of columns of the condensed motion z."""
@@ -38,11 +37,11 @@ class RunColumns:
                         condensed part is zero at the first interface
     """
 
-    vectors: Array
-    coordinates: Array
-    rates: Array
-    accelerations: Array
-    rigid: Array
+    vectors: FloatArray
+    coordinates: FloatArray
+    rates: FloatArray
+    accelerations: FloatArray
+    rigid: FloatArray
 
     def at(self, rows: slice) -> RunColumns:
         """The rows of a part of the run."""
@@ -103,9 +102,9 @@ class MotionColumns:
     rigid : (6, r (r + 1) / 2)          `RunColumns.rigid` per pair of V's columns; None: no z
     """
 
-    vectors: Array
-    following: Array | None = None
-    rigid: Array | None = None
+    vectors: FloatArray
+    following: FloatArray | None = None
+    rigid: FloatArray | None = None
 
     def along(self, motion: FloatingMotion) -> RunColumns:
         """The motion of a run in these columns."""
@@ -129,7 +128,7 @@ class MotionColumns:
 
 
 def motion_columns(
-    body: FlexibleBody, reduced: ReducedBody, basis: ReductionBasis, coordinates: Array
+    body: FlexibleBody, reduced: ReducedBody, basis: ReductionBasis, coordinates: FloatArray
 ) -> MotionColumns:
     """The columns for all runs of a reduced body: V, and directions of z at some coordinates of these runs.
 
@@ -148,7 +147,7 @@ def motion_columns(
     return MotionColumns(columns, columns.T @ (body.mass @ pairs), condensation.rigid_part(pairs))
 
 
-def _leading(body: FlexibleBody, basis: ReductionBasis, fields: Array, moved: float) -> Array:
+def _leading(body: FlexibleBody, basis: ReductionBasis, fields: FloatArray, moved: float) -> FloatArray:
     """Leading directions of fields outside a basis, M-orthonormal; `moved` is the size of the motion.
 
     The remainder of a field within the basis is round-off, and so is z itself for a complete basis.
@@ -156,7 +155,7 @@ def _leading(body: FlexibleBody, basis: ReductionBasis, fields: Array, moved: fl
     mass, known = body.mass, basis.vectors
     seen = frame_projector(body, basis.frame)
 
-    def outside(x: Array) -> Array:
+    def outside(x: FloatArray) -> FloatArray:
         x = seen(x)
         return x - known @ (known.T @ (mass @ x))
 

@@ -6,15 +6,14 @@ from collections.abc import Iterator
 
 import jax
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from supple.arrays import FloatArray
 from supple.equations.configuration import SystemMotion
 from supple.error.equation.linearised_march import GainHistory, StepOfRun
 
 __all__ = ["blocks_of_run", "rotation_vectors", "rotations", "standing"]
 
-Array = NDArray[np.float64]
 
 STEPS_AT_ONCE = 64
 
@@ -35,13 +34,13 @@ def blocks_of_run(
         yield StepOfRun(h[rows], ends, turn[rows], own), number
 
 
-def rotations(vectors: Array) -> Array:
+def rotations(vectors: FloatArray) -> FloatArray:
     """Rotations (t, k, 3, 3) of rotation vectors (t, k, 3); in NumPy, which needs no compilation."""
     turned = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix()
     return turned.reshape(*vectors.shape, 3)
 
 
-def rotation_vectors(matrices: Array) -> Array:
+def rotation_vectors(matrices: FloatArray) -> FloatArray:
     """Rotation vectors (t, k, 3) of rotations (t, k, 3, 3)."""
     return Rotation.from_matrix(matrices.reshape(-1, 3, 3)).as_rotvec().reshape(matrices.shape[:-1])
 

@@ -9,6 +9,7 @@ import jax
 import numpy as np
 from numpy.typing import DTypeLike
 
+from supple.arrays import Tree
 from supple.export.c import array_reductions, branches, elementwise, indexing, linear_algebra, shapes
 from supple.export.c.blocks import CodeBlock
 from supple.export.c.branches import hand_on
@@ -16,7 +17,6 @@ from supple.export.c.operations import program_of
 from supple.export.c.printer import Printed, print_program
 from supple.export.c.separate_functions import SeparateFunctions
 from supple.export.c.values import Buffer, BufferView, Value, c_type, row_major
-from supple.stepping.marching import Tree
 
 __all__ = ["HEAD", "function_source", "named_view", "printed_function"]
 

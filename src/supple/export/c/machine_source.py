@@ -13,7 +13,7 @@ from string import Template
 import jax
 import numpy as np
 
-from supple.equations.configuration import AnyArray
+from supple.arrays import AnyArray
 from supple.export.ascii_file import check_not_foreign
 from supple.export.c.function import HEAD, named_view, printed_function
 from supple.export.c.values import BufferView, c_type, literal

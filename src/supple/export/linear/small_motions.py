@@ -9,15 +9,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arrays import AnyArray, Tree
 from supple.equations.balance import balance
 from supple.equations.compiled_machine import CompiledStart
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import AnyArray, ControlStep, SystemMotion, advance
+from supple.equations.configuration import ControlStep, SystemMotion, advance
 from supple.equations.control_force import stepped
 from supple.equations.steady_motion import in_turning_axes
 from supple.machine.laws.instants import uneven_times
 from supple.stepping.external_inputs import ExternalInputs
-from supple.stepping.marching import Tree
 from supple.stepping.sensed_outputs import SensedOutputs
 
 __all__ = ["MotionChanges", "SmallMotions", "small_motions", "varies_in_time"]

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.export.ascii_file import write_ascii
 from supple.importers import SectionTable
@@ -18,7 +18,6 @@ from supple.importers.section_table import twisted_axes
 
 __all__ = ["blade_file_of", "write_beamdyn"]
 
-Array = NDArray[np.float64]
 
 _LARGEST_TILT = 0.02
 """Largest angle between a section's normal and BeamDyn's curve, rad; a larger angle is a ModelError."""
@@ -95,7 +94,7 @@ def blade_file_of(path: Path | str) -> Path:
     return Path(path).with_name(f"{Path(path).stem}_blade.dat")
 
 
-def _twist(table: SectionTable) -> Array:
+def _twist(table: SectionTable) -> FloatArray:
     """Twist (n,) of the sections about -z, rad, without jumps; ModelError for inclined sections."""
     from scipy.interpolate import CubicSpline
 
@@ -115,7 +114,7 @@ def _twist(table: SectionTable) -> Array:
     return np.unwrap(-np.arctan2(across[:, 1], across[:, 0]))
 
 
-def _primary(points: Array, blade: str, title: Sequence[str]) -> list[str]:
+def _primary(points: FloatArray, blade: str, title: Sequence[str]) -> list[str]:
     n = len(points)
     return [
         "--------- BEAMDYN with OpenFAST INPUT FILE -------------------------------------------",
@@ -158,5 +157,5 @@ def _one_line(title: Sequence[str]) -> str:
     return "; ".join(title) or "blade"
 
 
-def _rows(matrix: Array) -> list[str]:
+def _rows(matrix: FloatArray) -> list[str]:
     return ["".join(f" {value:23.16e}" for value in row) for row in matrix]

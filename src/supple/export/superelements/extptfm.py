@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import linalg
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.export.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
@@ -20,8 +21,7 @@ from supple.export.superelements.stated_frequencies import N_RIGID, N_STATED, fr
 
 __all__ = ["extptfm_frequencies", "write_extptfm"]
 
-Array = NDArray[np.float64]
-Springs = Mapping[str, tuple[Array, Array]]
+Springs = Mapping[str, tuple[FloatArray, FloatArray]]
 
 _LAST_TIME = 1e5
 """Last time of the constant loads, s."""
@@ -82,7 +82,7 @@ def write_extptfm(
     return write_ascii(path, lines)
 
 
-def extptfm_frequencies(form: InterfaceForm, interface: str, springs: Springs) -> tuple[str, Array]:
+def extptfm_frequencies(form: InterfaceForm, interface: str, springs: Springs) -> tuple[str, FloatArray]:
     """Words for the support of the body in ExtPtfm, and its lowest frequencies, cycles per unit of time."""
     matrices, _ = _supported(form, interface, springs)
     # A body that only ExtPtfm supports has six zero frequencies.
@@ -92,7 +92,9 @@ def extptfm_frequencies(form: InterfaceForm, interface: str, springs: Springs) -
     return f"at {interface}, {standing}all other interfaces clamped", found
 
 
-def _supported(form: InterfaceForm, interface: str, springs: Springs) -> tuple[dict[str, Array], Array]:
+def _supported(
+    form: InterfaceForm, interface: str, springs: Springs
+) -> tuple[dict[str, FloatArray], FloatArray]:
     """Matrices by name in Craig-Bampton form with `interface`, and their coordinates (6 n + m, k)."""
     stiffness, damping = form.stiffness.copy(), form.damping.copy()
     kept = [form.rows(name) for name in (interface, *springs)]
@@ -111,5 +113,5 @@ def _supported(form: InterfaceForm, interface: str, springs: Springs) -> tuple[d
     return {name: columns.T @ matrix @ columns for name, matrix in all_of.items()}, columns
 
 
-def _rows(matrix: Array, digits: int = 16) -> list[str]:
+def _rows(matrix: FloatArray, digits: int = 16) -> list[str]:
     return [" ".join(f"{value: .{digits}e}" for value in row) for row in matrix]

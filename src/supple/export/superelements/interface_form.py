@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from supple.arrays import FloatArray
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError, did_you_mean
 from supple.export.superelements.stated_frequencies import (
@@ -33,7 +34,6 @@ from supple.reduction import ReducedBody
 
 __all__ = ["InterfaceForm", "interface_form"]
 
-Array = NDArray[np.float64]
 
 INDEPENDENT = 1e-8
 """Smallest singular value of independent interface motions, relative to the largest; below it, ModelError."""
@@ -54,11 +54,11 @@ class InterfaceForm:
 
     name: str
     interfaces: tuple[str, ...]
-    positions: Array
-    stiffness: Array = field(repr=False)
-    mass: Array = field(repr=False)
-    damping: Array = field(repr=False)
-    to_body: Array = field(repr=False)
+    positions: FloatArray
+    stiffness: FloatArray = field(repr=False)
+    mass: FloatArray = field(repr=False)
+    damping: FloatArray = field(repr=False)
+    to_body: FloatArray = field(repr=False)
 
     @property
     def n_boundary(self) -> int:
@@ -80,7 +80,7 @@ class InterfaceForm:
         modal = n + 1 + np.arange(self.n_modal)
         return np.concatenate([own, np.column_stack([modal, np.full_like(modal, of_modal)])])
 
-    def matrices(self, stiffness: str, mass: str, damping: str) -> dict[str, Array]:
+    def matrices(self, stiffness: str, mass: str, damping: str) -> dict[str, FloatArray]:
         """Stiffness, mass and, unless it is zero, damping, by the names of a format."""
         found = {stiffness: self.stiffness, mass: self.mass}
         return found | {damping: self.damping} if self.damping.any() else found
@@ -92,7 +92,7 @@ class InterfaceForm:
             raise ModelError(f"body '{self.name}' has no interface '{interface}'{near}; it has: {known}")
         return 6 * self.interfaces.index(interface) + np.arange(6)
 
-    def frequencies(self, held: Collection[str] = ()) -> Array:
+    def frequencies(self, held: Collection[str] = ()) -> FloatArray:
         """Natural frequencies with the interfaces `held` clamped, cycles per unit of time, ascending.
 
         If none is clamped, the six zero frequencies of rigid motion are left out.
@@ -174,5 +174,5 @@ def interface_form(body: ReducedBody) -> InterfaceForm:
     )
 
 
-def _symmetric(matrix: Array) -> Array:
+def _symmetric(matrix: FloatArray) -> FloatArray:
     return 0.5 * (matrix + matrix.T)

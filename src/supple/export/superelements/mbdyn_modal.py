@@ -15,16 +15,15 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.export.ascii_file import write_ascii
 from supple.export.superelements.stated_frequencies import floating_frequencies, frequency_lines
 from supple.reduction import ReducedBody
 
 __all__ = ["write_mbdyn"]
-
-Array = NDArray[np.float64]
 
 
 def write_mbdyn(path: Path | str, body: ReducedBody) -> Path:
@@ -62,7 +61,7 @@ def write_mbdyn(path: Path | str, body: ReducedBody) -> Path:
     return write_ascii(path, [*lines, "**"])
 
 
-def invariants(body: ReducedBody) -> dict[int, Array]:
+def invariants(body: ReducedBody) -> dict[int, FloatArray]:
     """Invariants 3, 4 (3, r), 8 (3, r, 3), 5 (3, r, r) and 9 (3, r, r, 3) by number, in the file's order."""
     r, gram = body.r, body.gram
     t, w, v = slice(0, 3), slice(3, 6), slice(6 + 3 * r, None)
@@ -79,7 +78,7 @@ def invariants(body: ReducedBody) -> dict[int, Array]:
     }
 
 
-def _about_centre(body: ReducedBody) -> Array:
+def _about_centre(body: ReducedBody) -> FloatArray:
     x = body.centre_of_mass
     return body.gram[3:6, 3:6] - body.mass * (x @ x * np.eye(3) - np.outer(x, x))
 
@@ -88,7 +87,7 @@ def _group(number: int, words: str, rows: list[str]) -> list[str]:
     return ["**", f"** RECORD GROUP {number}, {words}", *rows]
 
 
-def _rows(values: ArrayLike | list[Array]) -> list[str]:
+def _rows(values: ArrayLike | list[FloatArray]) -> list[str]:
     """One line per row; integers without a decimal point, other numbers with 17 digits."""
     return [
         " ".join(str(x) if isinstance(x, np.integer) else f"{x:.16e}" for x in np.atleast_1d(row))

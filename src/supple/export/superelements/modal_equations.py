@@ -18,13 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from supple.arrays import FloatArray
 from supple.export.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
 from supple.export.superelements.stated_frequencies import N_RIGID
 
 __all__ = ["write_calculix_superelement"]
 
-Array = NDArray[np.float64]
 
 _TERMS_PER_LINE = 4
 
@@ -59,7 +59,7 @@ def set_names(form: InterfaceForm) -> list[str]:
     return [f"I{number}_{name.upper()}" for number, name in enumerate(plain, 1)]
 
 
-def _free_vibrations(form: InterfaceForm) -> tuple[Array, Array]:
+def _free_vibrations(form: InterfaceForm) -> tuple[FloatArray, FloatArray]:
     """Angular frequencies (k,) of the free modes, six zeros first, and their interface motion (6 n, k)."""
     scale = 1.0 / np.sqrt(np.diag(form.mass))
     K, M = (matrix * np.outer(scale, scale) for matrix in (form.stiffness, form.mass))
@@ -69,8 +69,8 @@ def _free_vibrations(form: InterfaceForm) -> tuple[Array, Array]:
 
 
 def _dependence(
-    form: InterfaceForm, motion: Array
-) -> tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]:
+    form: InterfaceForm, motion: FloatArray
+) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray, FloatArray]:
     """Numbers of the modal coordinates z_d and z_f, and the matrices that give z_d from u and from z_f."""
     sizes = np.linalg.norm(motion, axis=1)
     order = linalg.qr(motion / sizes[:, None], mode="r", pivoting=True)[1]
@@ -93,7 +93,7 @@ def _nodes(form: InterfaceForm, n_modes: int) -> list[str]:
     return [*lines, "*NSET, NSET=SUPPLE_INTERFACES, GENERATE", f"1, {n}"]
 
 
-def _masses_and_springs(form: InterfaceForm, omega: Array) -> list[str]:
+def _masses_and_springs(form: InterfaceForm, omega: FloatArray) -> list[str]:
     """Masses and springs, three modal coordinates per node; unused components of the last node are fixed."""
     first, k = 2 * len(form.interfaces) + 1, len(omega)
     last = first + (k - 1) // 3
@@ -120,7 +120,11 @@ def _place(first: int, number: int) -> tuple[int, int]:
 
 
 def _equations(
-    form: InterfaceForm, dependent: NDArray[np.intp], free: NDArray[np.intp], own: Array, others: Array
+    form: InterfaceForm,
+    dependent: NDArray[np.intp],
+    free: NDArray[np.intp],
+    own: FloatArray,
+    others: FloatArray,
 ) -> list[str]:
     first = 2 * len(form.interfaces) + 1
     of_interfaces = [_place(1, number) for number in range(form.n_boundary)]

@@ -27,8 +27,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.export.ascii_file import write_ascii
 from supple.reduction import ReducedBody
@@ -36,7 +36,6 @@ from supple.reduction.tensors import unpack_symmetric
 
 __all__ = ["StandardInputData", "TaylorSeries", "standard_input_data", "write_sid"]
 
-Array = NDArray[np.float64]
 
 PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """Products of angular velocity components, in the order of Oe's columns."""
@@ -52,8 +51,8 @@ _ZERO, _FULL = 0, 3
 class TaylorSeries:
     """A block of SID: terms of order zero (rows, columns) and of order one (rows, columns, r), or None."""
 
-    zeroth: Array = field(repr=False)
-    first: Array | None = field(default=None, repr=False)
+    zeroth: FloatArray = field(repr=False)
+    first: FloatArray | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +67,7 @@ class StandardInputData:
 
     name: str
     mass: float
-    frequencies: Array = field(repr=False)
+    frequencies: FloatArray = field(repr=False)
     blocks: dict[str, TaylorSeries] = field(repr=False)
     frames: dict[str, dict[str, TaylorSeries]] = field(repr=False)
 
@@ -150,7 +149,7 @@ def write_sid(path: Path | str, body: ReducedBody) -> Path:
     return write_ascii(path, [*lines, "end modal", "end part"])
 
 
-def _stiffening(body: ReducedBody, inertia: Array) -> Array:
+def _stiffening(body: ReducedBody, inertia: FloatArray) -> FloatArray:
     """Geometric stiffness (r, c, r) of the static deformation under each column; zeros for a linear body."""
     r = len(inertia)
     if body.cubic is None:
@@ -159,7 +158,7 @@ def _stiffening(body: ReducedBody, inertia: Array) -> Array:
     return unpack_symmetric((body.cubic @ steady).T, r).transpose(1, 0, 2)
 
 
-def _cross_of_columns(vectors: Array) -> Array:
+def _cross_of_columns(vectors: FloatArray) -> FloatArray:
     """Cross matrices (3, 3, r) of the columns (3, r)."""
     x, y, z = vectors
     o = np.zeros_like(x)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from supple.arrays import FloatArray
 from supple.reduction import ReducedBody
 
 __all__ = ["StatedFrequencies", "floating_frequencies"]
 
-Array = NDArray[np.float64]
 
-StatedFrequencies = list[tuple[str, Array]]
+StatedFrequencies = list[tuple[str, FloatArray]]
 """Description of each support, and the lowest frequencies of the body on it, cycles per unit of time."""
 
 N_STATED = 6
@@ -27,7 +26,7 @@ def floating_frequencies(body: ReducedBody) -> StatedFrequencies:
     return [("free", free[:N_STATED]), ("its frame at rest", at_rest[:N_STATED])]
 
 
-def free_matrices(body: ReducedBody) -> tuple[Array, Array, Array]:
+def free_matrices(body: ReducedBody) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Stiffness, mass and damping (6 + r, 6 + r), for rigid motion of the mesh axes and the r coordinates."""
     own = np.r_[:N_RIGID, N_RIGID + 3 * body.r : len(body.gram)]
     mass = np.array(body.gram[np.ix_(own, own)])
@@ -35,7 +34,7 @@ def free_matrices(body: ReducedBody) -> tuple[Array, Array, Array]:
     return linalg.block_diag(still, body.stiffness), mass, linalg.block_diag(still, body.damping)
 
 
-def frequencies(stiffness: Array, mass: Array) -> Array:
+def frequencies(stiffness: FloatArray, mass: FloatArray) -> FloatArray:
     """All natural frequencies, cycles per unit of time, ascending."""
     if not len(mass):
         return np.empty(0)

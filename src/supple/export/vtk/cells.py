@@ -9,9 +9,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import IntArray
 from supple.mesh import CellType, Mesh
-
-IntArray = NDArray[np.int64]
 
 VERTEX, LINE, TRIANGLE = 1, 3, 5
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body import BodyForm
 from supple.errors import ModelError
 from supple.export.vtk.pieces import Piece
@@ -21,8 +22,7 @@ from supple.quantities.stress_history import equivalent_stress
 from supple.results.explicit_fields import element_means
 from supple.units import UnitSystem, labelled
 
-Array = NDArray[np.float64]
-Evaluator = Callable[[Solution, Array], Array]
+Evaluator = Callable[[Solution, FloatArray], FloatArray]
 """Function (motion, positions (t, N, 3) of a piece) -> values (t, n, ..)."""
 
 GHOSTS = "vtkGhostType"
@@ -59,7 +59,7 @@ class Field:
         """Number of points or cells of a piece."""
         return len(piece.cells.types if self.of_cells else piece.points)
 
-    def values(self, part: Solution, positions: Mapping[Piece, Array]) -> NDArray:
+    def values(self, part: Solution, positions: Mapping[Piece, FloatArray]) -> NDArray:
         """Values (t, n) or (t, n, width) on all pieces, one after another, in the number type of the file.
 
         positions : (t, N, 3) of each piece
@@ -113,7 +113,7 @@ def _displacement(piece: Piece) -> Evaluator:
 def _deflection(system: System, body: BodyForm, bases: Mapping[str, At]) -> Evaluator:
     """Displacement relative to the rigid motion of an interface, in global components."""
 
-    def deflected(part: Solution, positions: Array) -> Array:
+    def deflected(part: Solution, positions: FloatArray) -> FloatArray:
         seen = observer_of(system, part, body.name, bases)
         assert seen is not None  # the body has a frame
         local = displacement_from_axes(positions, seen.origin[:, None], seen.axes, body.nodes - seen.rest)
@@ -125,7 +125,7 @@ def _deflection(system: System, body: BodyForm, bases: Mapping[str, At]) -> Eval
 def _stress(body: BodyForm, model: FiniteElementModel, factor: float) -> Evaluator:
     if isinstance(body, ExplicitSubdomain | ExplicitShell):
 
-        def at_nodes(part: Solution, _: Array) -> Array:
+        def at_nodes(part: Solution, _: FloatArray) -> FloatArray:
             motion = part.motion(body.name, NodalMotion)
             return factor * element_means(body, motion.von_mises, motion.alive)
 
@@ -134,7 +134,7 @@ def _stress(body: BodyForm, model: FiniteElementModel, factor: float) -> Evaluat
     return lambda part, _: factor * stress(part.motion(body.name, FramedMotion).coordinates)
 
 
-def _of_cells(pieces: Sequence[Piece], values: Callable[[NodalMotion], Array]) -> dict[Piece, Evaluator]:
+def _of_cells(pieces: Sequence[Piece], values: Callable[[NodalMotion], FloatArray]) -> dict[Piece, Evaluator]:
     """Values of the elements of explicit parts, in the order of the cells of their pieces.
 
     A part without a mesh is written as points, which have no values of elements.

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body import BodyForm, RigidBody, in_space
 from supple.errors import ModelError, did_you_mean
 from supple.export.vtk.cells import LINE, TRIANGLE, VERTEX, Cells, vtk_cells
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import GROUND, Placed, System
 from supple.mesh import Mesh
-
-Array = NDArray[np.float64]
 
 JOINTS = "joints"
 """Name of the piece of all joints."""
@@ -37,9 +36,9 @@ class Piece:
     """
 
     name: str
-    points: Array
+    points: FloatArray
     cells: Cells
-    positions: Callable[[Solution], Array]
+    positions: Callable[[Solution], FloatArray]
     body: BodyForm | None = None
     mesh: Mesh | None = None
 
@@ -81,7 +80,7 @@ def pieces_of(
     return tuple(found)
 
 
-def _at_rest(placed: Placed, local: Array) -> Array:
+def _at_rest(placed: Placed, local: FloatArray) -> FloatArray:
     position, rotation = placed.assembly
     return position + local @ rotation.T
 
@@ -112,7 +111,7 @@ def _rigid_piece(placed: Placed, body: RigidBody) -> Piece:
     ends = centre + 1 + np.arange(len(body.nodes))
     lines = np.column_stack([np.full(len(ends), centre), ends])
 
-    def positions(part: Solution) -> Array:
+    def positions(part: Solution) -> FloatArray:
         motion = part.motion(body.name, FloatingMotion)
         return in_space(motion.position, motion.rotation, local[None])
 
@@ -121,7 +120,7 @@ def _rigid_piece(placed: Placed, body: RigidBody) -> Piece:
     )
 
 
-def _ellipsoid(body: RigidBody) -> tuple[Array, NDArray[np.int64]]:
+def _ellipsoid(body: RigidBody) -> tuple[FloatArray, NDArray[np.int64]]:
     """Points and triangles of the solid ellipsoid of uniform density with the body's mass and inertia.
 
     With the principal moments I_k, its semi-axes are `a_k^2 = 5 / (2 m) (I_1 + I_2 + I_3 - 2 I_k)`.
@@ -146,7 +145,7 @@ def _ellipsoid(body: RigidBody) -> tuple[Array, NDArray[np.int64]]:
 def _joints_piece(system: System) -> Piece:
     ends = [joint.first if joint.second == GROUND else joint.second for joint in system.joints]
 
-    def positions(part: Solution) -> Array:
+    def positions(part: Solution) -> FloatArray:
         bodies = [(system.placed(end.body).body, part.bodies[end.body], end.interface) for end in ends]
         return np.stack([body.interface_motion(own, name).position for body, own, name in bodies], axis=1)
 

@@ -16,9 +16,9 @@ from types import MappingProxyType
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.export.vtk.fields import Field, fields_of
 from supple.export.vtk.pieces import Piece, pieces_of
@@ -34,7 +34,6 @@ from supple.units import UNNAMED, UnitSystem
 
 __all__ = ["write_vtkhdf"]
 
-Array = NDArray[np.float64]
 
 _BLOCK_NUMBERS = 2**22
 """Numbers of a field that are computed and written at a time (32 MiB)."""
@@ -132,7 +131,9 @@ def _write_grid(group: h5py.Group, pieces: Sequence[Piece]) -> None:
     group.create_dataset("FieldData/bodies", data=names, dtype=h5py.string_dtype("ascii"))
 
 
-def _write_steps(group: h5py.Group, times: Array, pieces: Sequence[Piece], fields: Sequence[Field]) -> None:
+def _write_steps(
+    group: h5py.Group, times: FloatArray, pieces: Sequence[Piece], fields: Sequence[Field]
+) -> None:
     n_times = len(times)
     still = np.zeros(n_times, dtype=np.int64)
     steps = group.create_group("Steps")

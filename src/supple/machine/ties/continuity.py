@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.algebra.arrays import FloatArray
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 
 __all__ = ["EveryNode", "MeanMotion"]

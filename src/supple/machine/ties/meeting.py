@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import KDTree
 
-from supple.algebra.arrays import FloatArray, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.mesh import Mesh
 from supple.mesh.outer_faces import FACE_TRIANGLES

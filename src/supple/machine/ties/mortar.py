@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import KDTree
 
-from supple.algebra.arrays import FloatArray, IntArray
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.mesh import Mesh
 from supple.mesh.outer_faces import outer_triangles

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.arrays import FloatArray
 from supple.body.floating_kinematics import checked_nodes
 from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
@@ -25,7 +26,6 @@ from supple.methods.explicit.node_set import NodeSet, node_sets
 
 __all__ = ["ElementPart", "check_law", "refuse_beside_elements"]
 
-FloatArray = NDArray[np.float64]
 
 SHEAR = 0.01
 """Largest relative difference, due to rounded constants, of a stated shear modulus from E / (2 (1 + nu))."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields, checked_arguments
+from supple.arrays import FloatArray
 from supple.body import LinearRayleighDamping
 from supple.body.damping import refuse_relative_damping
 from supple.errors import ModelError
@@ -27,8 +28,6 @@ from supple.methods.explicit.element_part import ElementPart, check_law, refuse_
 from supple.methods.explicit.materials import J2Plasticity
 
 __all__ = ["ExplicitShell", "explicit_shell"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

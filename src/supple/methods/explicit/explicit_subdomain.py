@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import check_fields, checked_arguments
+from supple.arrays import FloatArray
 from supple.body import LinearRayleighDamping
 from supple.body.damping import refuse_relative_damping
 from supple.errors import ModelError
@@ -29,8 +29,6 @@ from supple.methods.explicit.elements import (
 from supple.methods.explicit.materials import Law, StVenantKirchhoff
 
 __all__ = ["ExplicitSubdomain", "explicit_subdomain"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

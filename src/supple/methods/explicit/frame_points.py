@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 
 __all__ = ["CORNERS", "LINKS", "FramePoints"]
 
-FloatArray = NDArray[np.float64]
 
 CORNERS = np.vstack([-np.ones((1, 3)), np.eye(3)])
 """(4, 3): a point at local X has weights (1 - X - Y - Z, X, Y, Z) = e_O + CORNERS X."""

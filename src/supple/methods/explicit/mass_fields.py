@@ -14,17 +14,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.arrays import FloatArray
 from supple.body import FlexibleBody
 from supple.body.rigid_motion import cross_of_axes
 from supple.errors import ModelError
 from supple.methods.explicit.frame_points import CORNERS, FramePoints
 
 __all__ = ["MassFields", "mass_fields"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

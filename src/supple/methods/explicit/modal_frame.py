@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, sparse
 
+from supple.arrays import FloatArray
 from supple.methods.explicit.frame_model import FrameModel
 from supple.methods.explicit.frame_moments import Moments, moments
 from supple.methods.explicit.mass_fields import MassFields
@@ -24,8 +25,6 @@ from supple.methods.explicit.step_limit import (
 )
 
 __all__ = ["ModalFrame", "modal_frame"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body.body_form import BodyForm
 from supple.body.interface import UntiedInterface
 from supple.body.point_motion import InterfaceMotion, NodeMotion
 from supple.body.rigid_motion import averaged_motion
 
 __all__ = ["NodeSet", "node_sets"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

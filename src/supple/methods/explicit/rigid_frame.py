@@ -8,15 +8,13 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body import RigidBody
 from supple.methods.explicit.frame_moments import Moments
 from supple.methods.explicit.frame_points import CORNERS, FramePoints
 
 __all__ = ["RigidFrame"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.integrate import Solution, Validity
 from supple.machine import System
 from supple.methods.explicit.explicit_shell import ExplicitShell
@@ -16,7 +16,6 @@ from supple.methods.explicit.peak_watch import Peak, PeakWatch
 
 __all__ = ["ShellStrainWatch", "shell_strain_watch"]
 
-FloatArray = NDArray[np.float64]
 
 LARGEST = 0.2
 """Largest plastic strain. At it, engineering strain and logarithmic strain differ by 10 %."""

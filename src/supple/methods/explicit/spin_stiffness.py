@@ -15,15 +15,14 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.body import FlexibleBody
 from supple.body.mass_properties import rigid_mass_properties
 from supple.methods.explicit.frame_moments import arms
 
 __all__ = ["CentrifugalStiffness"]
 
-FloatArray = NDArray[np.float64]
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
 """Axes a, b of the six products of angular velocities; each has one static solution."""

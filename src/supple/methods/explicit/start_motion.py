@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.machine import Placed
 
 __all__ = ["rigid_velocities", "undeformed"]
-
-FloatArray = NDArray[np.float64]
 
 
 def undeformed(placed: Placed) -> FloatArray:

@@ -13,16 +13,14 @@ The limit does not depend on the rotation, so it is computed once. Source: [Radi
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.methods.explicit.frame_moments import Moments
 from supple.methods.explicit.frame_points import FramePoints
 
 __all__ = ["damped_limit", "free_modal_mass", "local_limit", "mass_of_motions", "true_limit"]
-
-FloatArray = NDArray[np.float64]
 
 
 def local_limit(moments: Moments, arm: float, stiffness: FloatArray) -> float:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.fem import isotropic_materials, stress_recovery, von_mises
 from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine import System
@@ -17,8 +17,6 @@ from supple.methods.explicit.modal_subdomain import ModalSubdomain
 from supple.methods.explicit.peak_watch import Peak, PeakWatch
 
 __all__ = ["YieldWatch", "yield_watch"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,10 +13,10 @@ from jax.flatten_util import ravel_pytree
 from numpy.typing import NDArray
 
 from supple.algebra.rotation import euler_parameters
+from supple.arrays import AnyArray, FloatArray
 from supple.equations.build_model import seen_coordinates
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration
-from supple.equations.places import AnyArray
 from supple.integrate import FloatingMotion, Motion, Solution
 from supple.machine import Placed, System
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
@@ -33,7 +33,6 @@ from supple.programs.program_cache import CachedProgram
 
 __all__ = ["CompleteMotion", "complete_motion", "intrinsic_of", "joined_instants", "states_of", "with_modes"]
 
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-8
 """Relative residual at which the iteration ends: its norm over the norm of frequencies times amplitudes."""
@@ -55,7 +54,7 @@ class CompleteMotion(NamedTuple):
     found: NDArray[np.bool_]
 
 
-Maps = tuple[tuple[Array, Array], ...]
+Maps = tuple[tuple[FloatArray, FloatArray], ...]
 """`_maps` of each line."""
 
 
@@ -131,15 +130,15 @@ def states_of(body: IntrinsicBody, motion: Motion) -> LineState:
 
 def joined_instants(
     machine: JoinedMachine, solution: Solution, times: jax.Array, states: States
-) -> tuple[JoinedInstant, Array]:
+) -> tuple[JoinedInstant, FloatArray]:
     """Instants of a run (leading axis: time), and the multipliers (t, m) of all joint equations."""
     motions = [solution.motion(placed.body.name, FloatingMotion) for placed in machine.others]
     n = len(times)
 
-    def together(parts: Sequence[Array], *shape: int) -> Array:
+    def together(parts: Sequence[FloatArray], *shape: int) -> FloatArray:
         return np.concatenate([np.zeros((n, *shape)), *parts], axis=1)
 
-    def seen(values: Sequence[Array]) -> list[Array]:
+    def seen(values: Sequence[FloatArray]) -> list[FloatArray]:
         return [
             seen_coordinates(placed.body, own) for placed, own in zip(machine.others, values, strict=True)
         ]
@@ -172,7 +171,7 @@ def _motions(
     return found
 
 
-def _maps(own: IntrinsicModes, whole: IntrinsicModes) -> tuple[Array, Array]:
+def _maps(own: IntrinsicModes, whole: IntrinsicModes) -> tuple[FloatArray, FloatArray]:
     """Maps (m', m) of velocity and (e', e) of force amplitudes, from the retained to all modes."""
     first = whole.velocities.reshape(-1, whole.n_modes).T @ own.momenta.reshape(-1, own.n_modes)
     lengths = own.line.tree.lengths[:, None, None]

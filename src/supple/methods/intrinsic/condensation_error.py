@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from supple.algebra import read_only
+from supple.arrays import FloatArray
 from supple.body import Damping, FlexibleBody
 from supple.errors import AccuracyError, ModelError
 from supple.methods.intrinsic.condense import condense
@@ -19,7 +19,6 @@ from supple.methods.intrinsic.root_support import CLAMPED, RootSupport
 
 __all__ = ["accurate_condensation", "condensation_error"]
 
-Array = NDArray[np.float64]
 
 FEWEST_SEGMENTS = 6
 """Initial number of segments of `accurate_condensation`."""
@@ -32,11 +31,11 @@ class CondensationError:
     condensed, exact : (k,)     of the line of stations, and of the elements with all freedoms
     """
 
-    condensed: Array
-    exact: Array
+    condensed: FloatArray
+    exact: FloatArray
 
     @property
-    def relative(self) -> Array:
+    def relative(self) -> FloatArray:
         """(k,) relative errors of the frequencies, positive where the condensed body is too stiff."""
         return self.condensed / self.exact - 1
 
@@ -134,7 +133,7 @@ def accurate_condensation(
         segments *= 2
 
 
-def _exact(body: FlexibleBody, condensed: IntrinsicBody, number: int) -> Array:
+def _exact(body: FlexibleBody, condensed: IntrinsicBody, number: int) -> FloatArray:
     """Elastic frequencies of the elements, with the root supported as in the condensed body."""
     root = next((each for each in body.interfaces if condensed.stations.get(each.name) == 0), None)
     if root is None:

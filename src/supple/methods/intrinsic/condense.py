@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, sparse
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray
 from supple.body import Damping, FlexibleBody
 from supple.errors import ModelError
 from supple.fem import Attached, refuse_attached
@@ -23,8 +23,6 @@ __all__ = ["condense"]
 
 SOFT = 1e-2
 """Smallest deflection of a direction in `_lumping_error`, relative to that of the softest direction."""
-
-Array = NDArray[np.float64]
 
 
 @checked_arguments
@@ -90,7 +88,7 @@ def condense(
     return whole if n_modes is None else whole.truncated(n_modes)
 
 
-def _lumping_error(body: FlexibleBody, line: CondensedLine, shapes: Array) -> float:
+def _lumping_error(body: FlexibleBody, line: CondensedLine, shapes: FloatArray) -> float:
     """Relative error, due to the lumped mass, of deflections under the weight; the root is clamped.
 
     The exact deflections are those under the forces Psi^T M a: M is the mass of the elements, and a are unit
@@ -105,7 +103,7 @@ def _lumping_error(body: FlexibleBody, line: CondensedLine, shapes: Array) -> fl
     scale = 1 / np.sqrt(np.diag(K))
     factor = linalg.cho_factor(K * np.outer(scale, scale))
 
-    def deflection(forces: Array) -> Array:
+    def deflection(forces: FloatArray) -> FloatArray:
         moved = scale[:, None] * linalg.cho_solve(factor, scale[:, None] * forces[6:])
         return np.linalg.norm(moved.reshape(-1, 6, 3)[:, :3], axis=(0, 1))
 
@@ -114,7 +112,7 @@ def _lumping_error(body: FlexibleBody, line: CondensedLine, shapes: Array) -> fl
     return float((errors[soft] / deflections[soft]).max(initial=0.0))
 
 
-def _statics(body: FlexibleBody, rows: sparse.csr_array) -> tuple[Array, Array]:
+def _statics(body: FlexibleBody, rows: sparse.csr_array) -> tuple[FloatArray, FloatArray]:
     """Static shapes Psi (n, 6 s) of unit motions of s stations, and the condensed stiffness (6 s, 6 s)."""
     unit = np.eye(rows.indptr.size - 1)
     if len(unit) == body.n:  # stations with all freedoms leave no freedom to condense

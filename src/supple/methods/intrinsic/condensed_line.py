@@ -5,18 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import linalg, sparse
 
 from supple.algebra import read_only
 from supple.arguments import check_numbers, check_text
+from supple.arrays import FloatArray
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError
 from supple.methods.intrinsic.load_path_tree import LoadPathTree, load_path_tree
 
 __all__ = ["CondensedLine", "clamped_line", "condensed_line"]
 
-Array = NDArray[np.float64]
 Matrix = ArrayLike | sparse.sparray | sparse.spmatrix
 
 LARGEST_RIGID_FORCE = 1e-6
@@ -46,8 +46,8 @@ class CondensedLine:
 
     name: str
     tree: LoadPathTree
-    stiffness: Array = field(repr=False)
-    mass: Array = field(repr=False)
+    stiffness: FloatArray = field(repr=False)
+    mass: FloatArray = field(repr=False)
     rigid_force: float
 
     @property
@@ -56,12 +56,12 @@ class CondensedLine:
         return self.tree.n
 
     @property
-    def twists(self) -> Array:
+    def twists(self) -> FloatArray:
         """(6 n, 6) rigid motion of all stations for unit velocities and angular velocities of the root."""
         return rigid_twists(self.tree)
 
     @property
-    def station_masses(self) -> Array | None:
+    def station_masses(self) -> FloatArray | None:
         """(n, 6, 6) mass of each station where stations do not share mass; None where they do."""
         blocks = self.mass.reshape(self.n, 6, self.n, 6)
         own = np.einsum("iaib->iab", blocks)
@@ -69,7 +69,7 @@ class CondensedLine:
         return own.copy() if shared <= ROUNDING * np.abs(self.mass).max() else None
 
     @property
-    def translating(self) -> Array:
+    def translating(self) -> FloatArray:
         """(n, 6, 3) momenta of the stations in unit translations of the line."""
         return self.mass.reshape(self.n, 6, self.n, 6).sum(axis=2)[:, :, :3]
 
@@ -80,7 +80,7 @@ class CondensedLine:
         return float(along @ self.mass @ along)
 
 
-def rigid_twists(tree: LoadPathTree) -> Array:
+def rigid_twists(tree: LoadPathTree) -> FloatArray:
     """Rigid motion (6 n, 6) of stations: translations, then rotations about the root."""
     return nodal_rigid_modes(tree.points - tree.points[0], 6)
 
@@ -159,7 +159,7 @@ def clamped_line(
     return condensed_line(name, points, full, full_mass, parents=parents)
 
 
-def _check_not_negative(name: str, scaled: Array) -> None:
+def _check_not_negative(name: str, scaled: FloatArray) -> None:
     values, vectors = np.linalg.eigh(scaled)
     if values.size and values[0] < -LARGEST_NEGATIVE * np.abs(values).max():
         worst = int(np.argmax(np.abs(vectors[:, 0]))) // 6
@@ -170,7 +170,7 @@ def _check_not_negative(name: str, scaled: Array) -> None:
         )
 
 
-def _cleaned_mass(name: str, mass: Array, length: float) -> Array:
+def _cleaned_mass(name: str, mass: FloatArray, length: float) -> FloatArray:
     """The mass matrix without small negative principal values; ModelError for larger ones, or no mass.
 
     length : m, scale of inertias to masses
@@ -194,7 +194,7 @@ def _cleaned_mass(name: str, mass: Array, length: float) -> Array:
     return root @ root.T
 
 
-def _rigid_force(K: Array, R: Array, tree: LoadPathTree) -> float:
+def _rigid_force(K: FloatArray, R: FloatArray, tree: LoadPathTree) -> float:
     """Largest force in K R relative to the largest in |K| |R|."""
     scale = np.tile(np.repeat([1.0, 1.0 / tree.mean_length], 3), tree.n)
     size = np.abs(K) @ np.abs(R) * scale[:, None]
@@ -202,7 +202,7 @@ def _rigid_force(K: Array, R: Array, tree: LoadPathTree) -> float:
     return float(np.abs(K @ R * scale[:, None]).max(initial=0.0) / largest) if largest else 0.0
 
 
-def _symmetric(name: str, what: str, given: Matrix, size: int) -> Array:
+def _symmetric(name: str, what: str, given: Matrix, size: int) -> FloatArray:
     matrix = sparse.csr_array(given).toarray() if sparse.issparse(given) else given
     check_numbers(f"line '{name}', {what}", matrix)
     matrix = np.array(matrix, dtype=np.float64)

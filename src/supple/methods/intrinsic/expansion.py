@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.algebra import read_only
+from supple.arrays import FloatArray
 from supple.methods.intrinsic.load_path_tree import LoadPathTree
 
 __all__ = ["Expansion", "carried_by_stations", "expansion_of_stations", "shares_of_stations"]
 
-Array = NDArray[np.float64]
 
 AT_ONCE = 2**22
 """Largest number of components of vectors from segments to points in memory at a time."""
@@ -35,18 +35,18 @@ class Expansion:
     warping : (N, 3, e)         D
     """
 
-    nodes: Array
+    nodes: FloatArray
     stations: NDArray[np.intp] = field(repr=False)
-    weights: Array = field(repr=False)
-    modes: Array = field(repr=False)
-    warping: Array = field(repr=False)
+    weights: FloatArray = field(repr=False)
+    modes: FloatArray = field(repr=False)
+    warping: FloatArray = field(repr=False)
 
-    def arms(self, tree: LoadPathTree) -> Array:
+    def arms(self, tree: LoadPathTree) -> FloatArray:
         """(N, 2, 3) vectors from the stations to the nodes at rest."""
         return self.nodes[:, None] - tree.points[self.stations]
 
 
-def expansion_of_stations(tree: LoadPathTree, velocities: Array) -> Expansion:
+def expansion_of_stations(tree: LoadPathTree, velocities: FloatArray) -> Expansion:
     """Expansion whose nodes are the stations; velocities (n, 6, e) are those of the elastic modes."""
     own = np.repeat(np.arange(tree.n)[:, None], 2, axis=1)
     weights = np.tile([1.0, 0.0], (tree.n, 1))
@@ -54,7 +54,7 @@ def expansion_of_stations(tree: LoadPathTree, velocities: Array) -> Expansion:
 
 
 def carried_by_stations(
-    tree: LoadPathTree, nodes: Array, nodal_modes: Array, station_modes: Array
+    tree: LoadPathTree, nodes: FloatArray, nodal_modes: FloatArray, station_modes: FloatArray
 ) -> Expansion:
     """Expansion of nodes by the two stations of the nearest segment, weighted by the position along it.
 
@@ -77,7 +77,7 @@ def carried_by_stations(
     )
 
 
-def shares_of_stations(tree: LoadPathTree, points: Array) -> tuple[NDArray[np.intp], Array]:
+def shares_of_stations(tree: LoadPathTree, points: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
     """Two stations (N, 2) of the segment nearest to each point, and weights (N, 2), linear along it."""
     if tree.n == 1:
         return np.zeros((len(points), 2), dtype=np.intp), np.tile([1.0, 0.0], (len(points), 1))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from supple.equations.places import AnyArray
+from supple.arrays import AnyArray
 
 __all__ = ["StepResult", "Tangent", "first_order_coefficients", "first_tangent", "implicit_step"]
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.arguments import checked_arguments
+from supple.arrays import IntArray
 from supple.body.labelled_superelement import NodalMatrices, nodal_matrices
 from supple.errors import ModelError
 from supple.importers import (
@@ -25,7 +26,6 @@ from supple.methods.intrinsic.load_path_tree import ROOT
 
 __all__ = ["read_condensed_line"]
 
-IntArray = NDArray[np.int64]
 
 COMPONENTS = np.arange(1, 7)
 

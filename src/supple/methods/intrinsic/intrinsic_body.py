@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
+from supple.arrays import FloatArray
 from supple.body import Damping
 from supple.body.floating_kinematics import checked_nodes
 from supple.body.form_defaults import FormDefaults
@@ -44,7 +45,6 @@ from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["IntrinsicBody", "intrinsic_body"]
 
-Array = NDArray[np.float64]
 
 ROOM = 2**22
 """Largest number of components of rotations and positions in memory at a time."""
@@ -60,8 +60,8 @@ class Station(UntiedInterface):
     """
 
     name: str
-    position: Array
-    motion: Array
+    position: FloatArray
+    motion: FloatArray
     number: int
 
 
@@ -131,7 +131,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         return self.line.total_mass
 
     @property
-    def centre_of_mass(self) -> Array:
+    def centre_of_mass(self) -> FloatArray:
         """(3,) undeformed, in the mesh axes, m."""
         rigid = self.line.twists
         return self.line.tree.points[0] + centre_of_gram(rigid.T @ self.line.mass @ rigid)
@@ -142,7 +142,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         return self.modes.n_elastic
 
     @property
-    def nodes(self) -> Array:
+    def nodes(self) -> FloatArray:
         """(N, 3) rest positions: those of the mesh, or of the stations."""
         return self.expansion.nodes
 
@@ -168,13 +168,13 @@ class IntrinsicBody(FormDefaults, Summarized):
         return self.expansion.modes.shape[1]
 
     @property
-    def nodal_basis(self) -> Array:
+    def nodal_basis(self) -> FloatArray:
         """(N d, e) linear displacements of the nodal freedoms by elastic amplitude."""
         return self.expansion.modes.reshape(-1, self.n_coordinates)
 
     def nodal_fields(
-        self, coordinates: Array, freedoms: NDArray[np.intp] | slice = slice(None)
-    ) -> tuple[Array, None]:
+        self, coordinates: FloatArray, freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[FloatArray, None]:
         """Linear displacements (N d, t) by elastic amplitudes (t, e), for strains alone, and None."""
         return self.nodal_basis[freedoms] @ coordinates.T, None
 
@@ -206,7 +206,7 @@ class IntrinsicBody(FormDefaults, Summarized):
             return replace(self, modes=whole.modes, expansion=whole.expansion, complete=None)
         return self._in_shapes(whole, shapes, n_lowest)
 
-    def _in_shapes(self, whole: IntrinsicBody, shapes: Array, n_lowest: int) -> IntrinsicBody:
+    def _in_shapes(self, whole: IntrinsicBody, shapes: FloatArray, n_lowest: int) -> IntrinsicBody:
         """The body in some shapes of all its modes; see `completed_modes`."""
         expansion = replace(
             whole.expansion,
@@ -216,22 +216,22 @@ class IntrinsicBody(FormDefaults, Summarized):
         modes = completed_modes(whole.modes, shapes, n_lowest)
         return replace(self, modes=modes, expansion=expansion, complete=whole)
 
-    def forces_of(self, coordinates: ArrayLike) -> Array:
+    def forces_of(self, coordinates: ArrayLike) -> FloatArray:
         """Amplitudes q_2 (..., e) of the internal forces from elastic amplitudes (..., e)."""
         return -np.asarray(coordinates) * self.modes.omega[self.modes.n_rigid :]
 
-    def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> Array:
+    def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> FloatArray:
         """Linear displacements (..., k, 3) of elastic amplitudes (..., e), with the root on its support."""
         return np.einsum("nie,...e->...ni", self.expansion.modes[nodes, :3], np.asarray(coordinates))
 
-    def places(self, motion: Motion) -> tuple[Array, Array]:
+    def places(self, motion: Motion) -> tuple[FloatArray, FloatArray]:
         """Rotations (t, n, 3, 3) and positions (t, n, 3) of the stations in space."""
         own = motion.of_type(IntrinsicMotion)
         root = own.position + np.einsum("tij,j->ti", own.rotation, self.line.tree.points[0])
         found = _places(self.model, self.forces_of(own.coordinates), own.rotation, root)
         return np.asarray(found.rotations), np.asarray(found.positions)
 
-    def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> Array:
+    def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:
         """Positions (t, k, 3) in space of some nodes, or all, by `Expansion`."""
         given = nodes if isinstance(nodes, slice) else checked_nodes(nodes, len(self.nodes))
         chosen = np.arange(len(self.nodes))[given]
@@ -250,7 +250,7 @@ class IntrinsicBody(FormDefaults, Summarized):
             result[part] = np.einsum("nw,tnwi->tni", weights, moved)
         return result
 
-    def node_rotations(self, motion: Motion) -> Array:
+    def node_rotations(self, motion: Motion) -> FloatArray:
         """Rotation matrices (t, N, 3, 3) of nodes: for each, that of its station with the larger weight."""
         larger = self.expansion.weights.argmax(axis=1)
         return self.places(motion)[0][:, self.expansion.stations[np.arange(len(larger)), larger]]
@@ -276,7 +276,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         )
         place = place + arms
 
-        def carried(places: StationPlaces, *terms: tuple[StationPlaces, Array]) -> Array:
+        def carried(places: StationPlaces, *terms: tuple[StationPlaces, FloatArray]) -> FloatArray:
             moved = places.positions[:, own]
             for by, local in terms:
                 moved = moved + np.einsum("tnwij,tnwj->tnwi", by.rotations[:, own], local)
@@ -294,7 +294,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         number = self.interface(name).number
         known = self.station_motion(motion)
 
-        def there(places: StationPlaces) -> tuple[Array, Array]:
+        def there(places: StationPlaces) -> tuple[FloatArray, FloatArray]:
             return np.asarray(places.positions[:, number]), np.asarray(places.rotations[:, number])
 
         (position, rotation), (velocity, turning) = there(known.places), there(known.velocities)
@@ -302,12 +302,17 @@ class IntrinsicBody(FormDefaults, Summarized):
         angular = np.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], axis=1)
         return InterfaceMotion(position, rotation, velocity, there(known.accelerations)[0], angular)
 
-    def freedoms(self, q2: Array) -> LineFreedoms:
+    def freedoms(self, q2: FloatArray) -> LineFreedoms:
         """Small motions of the line about a shape with force amplitudes q_2 (e,)."""
         return line_freedoms(self.model, self.support, self.line.tree.points[0], q2)
 
     def motion_near(
-        self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
+        self,
+        position: FloatArray,
+        rotation: FloatArray,
+        coordinates: FloatArray,
+        displacement: FloatArray,
+        rates: FloatArray,
     ) -> IntrinsicMotion:
         """Motion with small displacements p (t, 6 + e), and velocities from their rates p' at p = 0."""
         frames = frames_near(position, rotation, displacement, rates)
@@ -322,7 +327,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         axes = f"axes of the section of {self.name}"
         return Sections(axes, partial(_section_loads, self), partial(_cut_segments, self))
 
-    def section_loads(self, motion: Motion) -> Array:
+    def section_loads(self, motion: Motion) -> FloatArray:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.
 
         These are the elastic forces alone, without damping forces.
@@ -330,12 +335,12 @@ class IntrinsicBody(FormDefaults, Summarized):
         q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
         return np.asarray(jax.vmap(lambda q: line_forces(self.model, q))(jnp.asarray(q2)))
 
-    def section_strains(self, motion: Motion) -> Array:
+    def section_strains(self, motion: Motion) -> FloatArray:
         """Strains and curvatures (t, n - 1, 6) of the segments, along material axes."""
         q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
         return np.asarray(jax.vmap(lambda q: section_strains(self.model, q))(jnp.asarray(q2)))
 
-    def stated_frequencies(self) -> tuple[str, Array]:
+    def stated_frequencies(self) -> tuple[str, FloatArray]:
         """Words for the support of the body before release, and its lowest six frequencies on it.
 
         Cycles per unit of time. A released body has the modes of the free body as its own.
@@ -349,7 +354,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         return float(self.modes.frequencies.min(initial=np.inf))
 
 
-def _section_loads(body: IntrinsicBody, motion: Motion, plane: CuttingPlane) -> Array:
+def _section_loads(body: IntrinsicBody, motion: Motion, plane: CuttingPlane) -> FloatArray:
     """Force and moment (t, 6) of the part beyond a plane on the part before it, along material axes.
 
     These are the section forces of the segment cut by the plane, with the moment about the point of the

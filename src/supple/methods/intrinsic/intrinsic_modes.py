@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
 from supple.algebra import read_only
+from supple.arrays import FloatArray
 from supple.errors import AccuracyError, ModelError
 from supple.methods.intrinsic.condensed_line import MASSLESS, CondensedLine
 from supple.methods.intrinsic.load_path_tree import LoadPathTree
@@ -17,7 +17,6 @@ from supple.methods.intrinsic.root_support import RootSupport
 
 __all__ = ["IntrinsicModes", "intrinsic_modes"]
 
-Array = NDArray[np.float64]
 
 LARGEST_DEFECT = 1e-8
 """Largest difference of a Gram matrix from the unit matrix; a larger one is an error."""
@@ -51,11 +50,11 @@ class IntrinsicModes:
 
     line: CondensedLine
     support: RootSupport
-    omega: Array
-    velocities: Array = field(repr=False)
-    momenta: Array = field(repr=False)
-    forces: Array = field(repr=False)
-    strains: Array = field(repr=False)
+    omega: FloatArray
+    velocities: FloatArray = field(repr=False)
+    momenta: FloatArray = field(repr=False)
+    forces: FloatArray = field(repr=False)
+    strains: FloatArray = field(repr=False)
     n_second_order: int = 0
 
     @property
@@ -74,7 +73,7 @@ class IntrinsicModes:
         return self.forces.shape[2]
 
     @property
-    def frequencies(self) -> Array:
+    def frequencies(self) -> FloatArray:
         """Elastic natural frequencies of the line on its support, rad/s, without second-order modes."""
         return self.omega[self.n_rigid : self.n_modes - self.n_second_order]
 
@@ -159,11 +158,11 @@ def checked_modes(modes: IntrinsicModes) -> IntrinsicModes:
     return modes
 
 
-def _defect(gram: Array) -> float:
+def _defect(gram: FloatArray) -> float:
     return float(np.abs(gram - np.eye(len(gram))).max(initial=0.0))
 
 
-def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Array, Array]:
+def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Rigid modes (6 n, k), elastic modes (6 n, e), mass-normalised, and their frequencies (e,)."""
     k = support.free.shape[1]
     # The root moves along its free twists alone: x = T z.
@@ -213,7 +212,7 @@ def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Arr
     return T @ R, T @ Phi, omega
 
 
-def _mass_factor(mass: Array, length: float) -> Array:
+def _mass_factor(mass: FloatArray, length: float) -> FloatArray:
     """F (6 n, r) with F F^T = M; one column per freedom with mass. length : m, scale of inertias to masses"""
     scale = np.tile(np.repeat([1.0, 1.0 / length], 3), len(mass) // 6)
     values, vectors = np.linalg.eigh(mass * np.outer(scale, scale))
@@ -221,7 +220,7 @@ def _mass_factor(mass: Array, length: float) -> Array:
     return (vectors[:, kept] * np.sqrt(values[kept])) / scale[:, None]
 
 
-def _mass_orthonormal(columns: Array, M: Array) -> Array:
+def _mass_orthonormal(columns: FloatArray, M: FloatArray) -> FloatArray:
     """Columns made mass-orthonormal in their order, by Cholesky QR, repeated for round-off."""
     for _ in range(3):
         L = np.linalg.cholesky(columns.T @ M @ columns)
@@ -229,7 +228,9 @@ def _mass_orthonormal(columns: Array, M: Array) -> Array:
     return columns
 
 
-def _section_modes(tree: LoadPathTree, Phi: Array, momenta: Array, omega: Array) -> tuple[Array, Array]:
+def _section_modes(
+    tree: LoadPathTree, Phi: FloatArray, momenta: FloatArray, omega: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Phi_2 and C Phi_2 at the middles of the segments, (n - 1, 6, e) each."""
     e = Phi.shape[2]
     force = -omega * momenta

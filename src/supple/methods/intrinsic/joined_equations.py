@@ -23,11 +23,12 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
+from supple.arrays import AnyArray
 from supple.equations import joint_force
 from supple.equations.balance import balance
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion, advance
 from supple.equations.joint_force import constraints
-from supple.equations.places import AnyArray, assembled_vector
+from supple.equations.places import assembled_vector
 from supple.methods.intrinsic.equal_lines import for_each_line
 from supple.methods.intrinsic.joined_machine import JoinedArrays, coupled_places, with_stations
 from supple.methods.intrinsic.line_equations import (

@@ -15,10 +15,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 
+from supple.arrays import AnyArray
 from supple.equations.configuration import ControlState, ControlStep
 from supple.equations.control_force import stepped
 from supple.equations.inertia import mass_matrix
-from supple.equations.places import AnyArray
 from supple.methods.intrinsic.implicit_step import ROUNDING, SLOW, FirstOrderCoefficients
 from supple.methods.intrinsic.joined_equations import (
     JoinedInstant,

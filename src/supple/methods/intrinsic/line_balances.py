@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.equations.checks.energy import Balances, body_balances
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
@@ -13,11 +13,9 @@ from supple.methods.intrinsic.station_motion import driven_twists
 
 __all__ = ["line_balances"]
 
-Array = NDArray[np.float64]
-
 
 @body_balances.register
-def line_balances(body: IntrinsicBody, motion: IntrinsicMotion, gravity: Array) -> Balances:
+def line_balances(body: IntrinsicBody, motion: IntrinsicMotion, gravity: FloatArray) -> Balances:
     """Energies and momenta (t, ...) of a line whose stations move with twists x_1 and momenta p = M x_1:
 
         T = p.x_1 / 2,   U = q_2.q_2 / 2,   P = sum R_i p_v,i,   L = sum r_i x R_i p_v,i + R_i p_w,i

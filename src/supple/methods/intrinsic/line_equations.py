@@ -21,7 +21,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from supple.equations.places import AnyArray
+from supple.arrays import AnyArray
 from supple.methods.intrinsic.line_model import LineModel
 
 __all__ = [

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag, null_space
 
 from supple.algebra.cross import cross_matrix
+from supple.arrays import FloatArray
 from supple.equations.compiler_options import STARTING
 from supple.methods.intrinsic.line_equations import (
     RootTwist,
@@ -23,8 +23,6 @@ from supple.methods.intrinsic.root_support import RootSupport
 from supple.programs.program_cache import CachedProgram
 
 __all__ = ["LineFreedoms", "line_freedoms"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,15 +39,15 @@ class LineFreedoms:
     """
 
     m: int
-    shapes: Array
-    held_mass: Array
+    shapes: FloatArray
+    held_mass: FloatArray
 
-    def amplitudes(self, motions: Array) -> Array:
+    def amplitudes(self, motions: FloatArray) -> FloatArray:
         """Components y (..., m) of motions p (..., 6 + e)."""
         return np.asarray(np.linalg.solve(self.shapes, motions.T).T[..., : self.m], dtype=float)
 
 
-def line_freedoms(model: LineModel, support: RootSupport, root: Array, q2: Array) -> LineFreedoms:
+def line_freedoms(model: LineModel, support: RootSupport, root: FloatArray, q2: FloatArray) -> LineFreedoms:
     """Small motions of a line with strains q_2 (e,); root (3,) is its position in the body's axes."""
     m = np.shape(model.velocities)[1]
     every = np.asarray(block_diag(np.eye(m), null_space(support.free.T)))

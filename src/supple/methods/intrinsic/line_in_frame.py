@@ -25,8 +25,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.rotation import rotation_exp, skew, unskew
+from supple.arrays import AnyArray
 from supple.equations.compiler_options import STARTING
-from supple.equations.places import AnyArray
 from supple.equations.station_body import BodyState, MachineWithStations, StationBodyForces, Stations
 from supple.integrate import FloatingMotion, Motion
 from supple.machine import Placed, System

@@ -16,7 +16,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jax.tree_util import register_static
 
-from supple.equations.places import AnyArray
+from supple.arrays import AnyArray
 from supple.integrate import GeneralizedAlpha, ResidualRungeKutta4, RungeKutta4
 from supple.methods.intrinsic.implicit_step import (
     Tangent,

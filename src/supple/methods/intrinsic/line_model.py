@@ -8,9 +8,9 @@ import jax
 import numpy as np
 
 import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the first array
+from supple.arrays import AnyArray
 from supple.body import Damping, ModalDamping, RayleighDamping
 from supple.body.damping import refuse_relative_damping
-from supple.equations.places import AnyArray
 from supple.errors import ModelError
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes
 

@@ -24,10 +24,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arrays import AnyArray
 from supple.equations.balance import balance
 from supple.equations.compiler_options import STARTING
 from supple.equations.joint_force import constraints
-from supple.equations.places import AnyArray
 from supple.equations.steady_motion import SteadyRotation
 from supple.methods.intrinsic.joined_equations import (
     JoinedInstant,

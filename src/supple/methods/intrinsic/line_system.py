@@ -11,7 +11,7 @@ from jax.flatten_util import ravel_pytree
 from jax.scipy.linalg import block_diag
 
 from supple.algebra.rotation import rotation_exp
-from supple.equations.places import AnyArray
+from supple.arrays import AnyArray
 from supple.machine import TimeLaw
 from supple.methods.intrinsic.equal_lines import for_each_line
 from supple.methods.intrinsic.line_equations import (

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.arguments import check_fields
+from supple.arrays import FloatArray
 from supple.body import AveragingInterface, FlexibleBody
 from supple.body.interface import BodyInterface
 from supple.body.rigid_motion import are_collinear
@@ -18,8 +19,6 @@ from supple.errors import ModelError, did_you_mean
 from supple.methods.intrinsic.load_path_tree import ROOT
 
 __all__ = ["LoadPath", "LoadPaths", "NodeSetPath"]
-
-Array = NDArray[np.float64]
 
 
 ON_THE_CUT = 1e-6
@@ -91,7 +90,7 @@ class LoadPath:
         ]
 
     def _too_few(
-        self, body: FlexibleBody, nodes: NDArray[np.intp], place: Array, number: int, length: float
+        self, body: FlexibleBody, nodes: NDArray[np.intp], place: FloatArray, number: int, length: float
     ) -> str:
         count = len(_shares(body, nodes, place, self.n_stations)[number - 1][0])
         most = 2
@@ -105,8 +104,8 @@ class LoadPath:
 
 
 def _shares(
-    body: FlexibleBody, nodes: NDArray[np.intp], place: Array, n_stations: int
-) -> list[tuple[NDArray[np.intp], Array]]:
+    body: FlexibleBody, nodes: NDArray[np.intp], place: FloatArray, n_stations: int
+) -> list[tuple[NDArray[np.intp], FloatArray]]:
     """Positions in `nodes` of the nodes of each slice between the ends, and the weights of these nodes.
 
     A node on a cut has half its weight in each of the two slices. If both slices have at most two lines of
@@ -142,7 +141,7 @@ def _lines(body: FlexibleBody, own: NDArray[np.intp]) -> int:
     return 1 if are_collinear(body.nodes[own]) else 3
 
 
-def _fit(body: FlexibleBody, nodes: NDArray[np.intp], place: Array, n_stations: int) -> bool:
+def _fit(body: FlexibleBody, nodes: NDArray[np.intp], place: FloatArray, n_stations: int) -> bool:
     return all(_carries_a_section(body, nodes[own]) for own, _ in _shares(body, nodes, place, n_stations))
 
 
@@ -245,7 +244,7 @@ def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
     return found
 
 
-def _element_masses(body: FlexibleBody) -> Array:
+def _element_masses(body: FlexibleBody) -> FloatArray:
     """Mass (N,) of the elements at the nodes; concentrated masses would shift the mean of a slice."""
     beside = None if body.model is None else body.model.attached.mass
     mass = body.nodal_mass if beside is None else body.nodal_mass - beside

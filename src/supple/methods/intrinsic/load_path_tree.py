@@ -12,11 +12,11 @@ from scipy.sparse.linalg import spsolve_triangular
 
 from supple.algebra import read_only
 from supple.arguments import check_numbers
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 
 __all__ = ["LoadPathTree", "load_path_tree"]
 
-Array = NDArray[np.float64]
 
 ROOT = -1
 """Parent of the root station, which has none."""
@@ -35,7 +35,7 @@ class LoadPathTree:
     parents : (n,)      parent of each station, a lower number; `ROOT` for the first
     """
 
-    points: Array
+    points: FloatArray
     parents: NDArray[np.intp]
 
     @property
@@ -49,7 +49,7 @@ class LoadPathTree:
         return self.parents[1:]
 
     @cached_property
-    def lengths(self) -> Array:
+    def lengths(self) -> FloatArray:
         """(n - 1,) lengths of the segments, m."""
         return read_only(np.linalg.norm(self._chords, axis=1))
 
@@ -59,12 +59,12 @@ class LoadPathTree:
         return float(self.lengths.mean()) if self.n > 1 else 1.0
 
     @cached_property
-    def directions(self) -> Array:
+    def directions(self) -> FloatArray:
         """(n - 1, 3) unit vectors of the segments, from the root outwards."""
         return read_only(self._chords / self.lengths[:, None])
 
     @cached_property
-    def middles(self) -> Array:
+    def middles(self) -> FloatArray:
         """(n - 1, 3) mid-points of the segments."""
         return read_only(0.5 * (self.points[1:] + self.points[self.inner]))
 
@@ -88,10 +88,10 @@ class LoadPathTree:
         return tuple(jumps[:-1])
 
     @property
-    def _chords(self) -> Array:
+    def _chords(self) -> FloatArray:
         return self.points[1:] - self.points[self.inner]
 
-    def outboard_sums(self, values: Array) -> Array:
+    def outboard_sums(self, values: FloatArray) -> FloatArray:
         """Sums (n, k) of values (n, k) over each station and all stations outboard of it."""
         ones = np.ones(self.n - 1)
         upward = sparse.csr_array((-ones, (self.inner, np.arange(1, self.n))), shape=(self.n, self.n))

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.algebra import read_only
 from supple.algebra.cross import cross_matrices
+from supple.arrays import FloatArray
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.fem import CellMass, FiniteElementModel, cell_masses
 from supple.mesh import CellType
@@ -17,7 +17,6 @@ from supple.methods.intrinsic.load_path_tree import LoadPathTree
 
 __all__ = ["arm_terms", "first_moments", "lumped_inertia", "with_shorter_arms"]
 
-Array = NDArray[np.float64]
 
 LARGEST = 0.45
 """Largest fraction by which arms are shortened; one half would leave beams without rotary inertia."""
@@ -32,7 +31,7 @@ ROUNDING = 1e-12
 """Mass and inertia relative to the largest; a smaller one is zero."""
 
 
-def lumped_inertia(tree: LoadPathTree, model: FiniteElementModel) -> Array:
+def lumped_inertia(tree: LoadPathTree, model: FiniteElementModel) -> FloatArray:
     """Mass (n, 6, 6) of each station, for velocity and angular velocity there.
 
     The mass of a cell is divided into equal parts about points near its corners (`_parts`). Every part is
@@ -61,7 +60,7 @@ def lumped_inertia(tree: LoadPathTree, model: FiniteElementModel) -> Array:
     return with_shorter_arms(rigid, change, tree.mean_length)
 
 
-def _parts(mass: CellMass, nodes: Array) -> Iterator[tuple[Array, Array]]:
+def _parts(mass: CellMass, nodes: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Points (E, 3) and inertias (E, 6, 6) of equal parts of cells, about their centres.
 
     A part is a point mass between a corner and the centre, and an equal share of the remaining second moments
@@ -82,7 +81,7 @@ def _parts(mass: CellMass, nodes: Array) -> Iterator[tuple[Array, Array]]:
         yield points[:, corner], rest + concentrated[:, corner]
 
 
-def arm_terms(inertia: Array, along: Array) -> Array:
+def arm_terms(inertia: FloatArray, along: FloatArray) -> FloatArray:
     """S (E, 6, 6): decrease of rigid inertias (E, 6, 6) at a station if arms are shortened, per unit beta.
 
     The first moments s become s - beta m d, the second moments P = integral of a a^T dm become
@@ -101,12 +100,12 @@ def arm_terms(inertia: Array, along: Array) -> Array:
     return result
 
 
-def first_moments(masses: Array) -> Array:
+def first_moments(masses: FloatArray) -> FloatArray:
     """First moments (n, 3) of rigid masses (n, 6, 6), or of their first three columns, about their points."""
     return masses[:, [5, 3, 4], [1, 2, 0]]
 
 
-def with_shorter_arms(rigid: Array, change: Array, length: float) -> Array:
+def with_shorter_arms(rigid: FloatArray, change: FloatArray, length: float) -> FloatArray:
     """Masses (n, 6, 6) of stations, `rigid` - beta `change`, with the largest beta that keeps them positive.
 
     Weights are linear along a segment. So sum w d = 0, and mass, first and second moments of the body do not
@@ -131,7 +130,7 @@ def with_shorter_arms(rigid: Array, change: Array, length: float) -> Array:
     return read_only(0.5 * (mass + mass.swapaxes(1, 2)))
 
 
-def _rigid_inertia(mass: CellMass, arms: Array) -> Array:
+def _rigid_inertia(mass: CellMass, arms: FloatArray) -> FloatArray:
     """R^T M_e R (E, 6, 6) of cells about points from which their nodes have arms (E, k, 3)."""
     m = mass.translational
     total = m.sum(axis=(1, 2))

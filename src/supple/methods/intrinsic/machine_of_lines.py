@@ -12,8 +12,8 @@ import numpy as np
 
 from supple.algebra.cross import cross_matrices, cross_matrix
 from supple.algebra.rotation import euler_parameters
+from supple.arrays import AnyArray
 from supple.equations.compiler_options import STARTING
-from supple.equations.places import AnyArray
 from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import Placed, System

@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 from jax.tree_util import PyTreeDef
 
-from supple.equations.places import AnyArray
+from supple.arrays import AnyArray
 from supple.integrate import RungeKutta4
 from supple.methods.intrinsic.line_equations import RootTwist, line_rates, station_velocities
 from supple.methods.intrinsic.line_march import LineMarchState, Stepping, march_lines, runge_kutta_step

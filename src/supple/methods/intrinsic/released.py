@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
 from supple.algebra import read_only
@@ -16,7 +15,6 @@ from supple.methods.intrinsic.root_support import FREE
 
 __all__ = ["released"]
 
-Array = NDArray[np.float64]
 
 LARGEST_CONDITION = 1e12
 """Largest condition number of the Gram matrix of rigid and elastic modes; a larger one is an error."""

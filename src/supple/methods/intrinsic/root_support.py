@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from supple.algebra import read_only
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 
 __all__ = ["BALL", "CLAMPED", "FREE", "RootSupport", "hinged", "sliding"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +22,7 @@ class RootSupport:
     Raises ModelError for twists of the wrong shape, or that are linearly dependent.
     """
 
-    free: Array
+    free: FloatArray
 
     def __post_init__(self) -> None:
         free = read_only(self.free)
@@ -54,7 +53,7 @@ def sliding(axis: ArrayLike) -> RootSupport:
     return RootSupport(np.concatenate([_unit(axis), np.zeros(3)])[:, None])
 
 
-def _unit(axis: ArrayLike) -> Array:
+def _unit(axis: ArrayLike) -> FloatArray:
     direction = np.asarray(axis, dtype=np.float64)
     length = np.linalg.norm(direction)
     if direction.shape != (3,) or not np.isfinite(length) or length == 0:

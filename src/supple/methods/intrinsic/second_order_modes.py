@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from supple.algebra import read_only
+from supple.arrays import FloatArray
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes, checked_modes
 
 __all__ = ["completed_modes", "second_order_shapes", "with_static_shapes"]
 
-Array = NDArray[np.float64]
 
 SMALLEST = 1e-3
 """Smallest second-order motion relative to the largest; smaller ones are omitted."""
@@ -27,7 +27,7 @@ SMALLEST_STRAIN = 1e-3
 """Smallest strain of a static response outside the modes, relative to its whole strain; less is omitted."""
 
 
-def completed_modes(whole: IntrinsicModes, shapes: Array, n_lowest: int) -> IntrinsicModes:
+def completed_modes(whole: IntrinsicModes, shapes: FloatArray, n_lowest: int) -> IntrinsicModes:
     """Modes with the shapes U (e, j), whose first columns are the lowest elastic modes.
 
         U^T W^2 U = diag(w^2),     Phi_1 <- Phi_1 U,     Phi_2 <- Phi_2 W U / w
@@ -41,7 +41,7 @@ def completed_modes(whole: IntrinsicModes, shapes: Array, n_lowest: int) -> Intr
     along = whole.omega[k:, None] * shapes / omega
     rigid = slice(None, k)
 
-    def moving(fields: Array) -> Array:
+    def moving(fields: FloatArray) -> FloatArray:
         return read_only(np.concatenate([fields[..., rigid], fields[..., k:] @ shapes], axis=-1))
 
     return checked_modes(
@@ -57,7 +57,7 @@ def completed_modes(whole: IntrinsicModes, shapes: Array, n_lowest: int) -> Intr
     )
 
 
-def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
+def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> FloatArray:
     """Amplitudes U (e, n + j), orthonormal, of the n lowest elastic modes and of j second-order ones.
 
     The strain of mode b is constant under velocities a if the omitted modes move at
@@ -102,8 +102,8 @@ def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
 
 
 def with_static_shapes(
-    whole: IntrinsicModes, shapes: Array, n_lowest: int, stations: NDArray[np.intp]
-) -> Array:
+    whole: IntrinsicModes, shapes: FloatArray, n_lowest: int, stations: NDArray[np.intp]
+) -> FloatArray:
     """The shapes, extended by the static responses to forces and moments at some stations.
 
     The response to a force F at a station has the amplitudes Phi_1^T F / w^2. Its part outside the shapes is
@@ -125,7 +125,7 @@ def with_static_shapes(
     return _ritz_shapes(omega, np.hstack([shapes[n_lowest:, n_lowest:], directions]), n_lowest)
 
 
-def _ritz_shapes(omega: Array, columns: Array, n_lowest: int) -> Array:
+def _ritz_shapes(omega: FloatArray, columns: FloatArray, n_lowest: int) -> FloatArray:
     """The n lowest modes, and the Ritz vectors in the span of columns (e - n, j) of the other modes."""
     columns = np.linalg.qr(columns)[0]
     squared = columns.T @ (omega[n_lowest:, None] ** 2 * columns)

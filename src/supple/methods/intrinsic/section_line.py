@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
 from supple.arguments import checked_arguments
+from supple.arrays import FloatArray
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError
 from supple.importers import SectionTable
@@ -15,7 +15,6 @@ from supple.methods.intrinsic.lumped_inertia import arm_terms, with_shorter_arms
 
 __all__ = ["section_line"]
 
-Array = NDArray[np.float64]
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
@@ -77,6 +76,6 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
     return condensed_line(name, points, K, linalg.block_diag(*mass))
 
 
-def _moved(arms: Array) -> Array:
+def _moved(arms: FloatArray) -> FloatArray:
     """Map (n, 6, 6) from the motion of reference points to that of points at arms (n, 3) from them."""
     return nodal_rigid_modes(arms, 6).reshape(-1, 6, 6)

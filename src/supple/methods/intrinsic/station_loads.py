@@ -13,8 +13,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arrays import AnyArray
 from supple.equations.build_model import check_apart, initial_points
-from supple.equations.places import AnyArray
 from supple.errors import ModelError
 from supple.machine import (
     GROUND,

@@ -8,11 +8,10 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.algebra.rotation import rotation_exp
+from supple.arrays import AnyArray, FloatArray
 from supple.equations.compiler_options import STARTING
-from supple.equations.places import AnyArray
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.line_equations import force_rates, section_strains, station_velocities
 from supple.methods.intrinsic.line_model import LineModel
@@ -20,8 +19,6 @@ from supple.methods.intrinsic.strain_integration import StationPlaces, station_p
 from supple.programs.program_cache import CachedProgram
 
 __all__ = ["StationMotion", "driven_twists", "station_motion"]
-
-Array = NDArray[np.float64]
 
 
 class StationMotion(NamedTuple):
@@ -42,7 +39,9 @@ _Derivatives = tuple[AnyArray, ...]
 """A quantity and its time derivatives."""
 
 
-def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMotion) -> StationMotion:
+def station_motion(
+    model: LineModel, root: FloatArray, q2: FloatArray, motion: IntrinsicMotion
+) -> StationMotion:
     """Positions of the stations from the strains, and time derivatives; q_2' follows from the velocities.
 
     The velocities are thus derivatives of the reported positions. The modal velocities, whose energy and
@@ -70,7 +69,7 @@ def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMo
     return found
 
 
-def driven_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Array:
+def driven_twists(model: LineModel, root: FloatArray, motion: IntrinsicMotion) -> FloatArray:
     """x_1 = Phi_1 q_1 + T t_d (t, n, 6): velocities of stations along their axes, by modes and a drive."""
     driven, _ = _driven(model, root, motion)
     return (motion.rates @ np.asarray(model.velocities).T + driven @ np.asarray(model.twists).T).reshape(
@@ -78,7 +77,7 @@ def driven_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Arr
     )
 
 
-def _driven(model: LineModel, root: Array, motion: IntrinsicMotion) -> tuple[Array, Array]:
+def _driven(model: LineModel, root: FloatArray, motion: IntrinsicMotion) -> tuple[FloatArray, FloatArray]:
     """Part (t, 6) of the root's twist due to a drive, not to modes, along the root's axes; and its rate."""
     w, dw = motion.angular_velocity, motion.angular_acceleration
     velocity = np.einsum("tji,tj->ti", motion.rotation, motion.velocity) + np.cross(w, root)

@@ -12,6 +12,7 @@ import scipy  # its parts are imported when first used
 from numpy.typing import NDArray
 
 from supple.algebra import read_only
+from supple.arrays import FloatArray
 from supple.equations.checks.strictness import warn_or_raise
 from supple.equations.compiler_options import STARTING
 from supple.errors import ModelError, ValidityWarning
@@ -28,7 +29,6 @@ from supple.programs.program_cache import CachedProgram
 
 __all__ = ["TruncationError", "truncation_error"]
 
-Array = NDArray[np.float64]
 
 INSTANTS = 8
 """Number of sampled output times that are spread over the run."""
@@ -58,10 +58,10 @@ class TruncationError:
     length : float          extent of the undeformed body, m
     """
 
-    times: Array
-    places: Array
-    forces: Array
-    velocities: Array
+    times: FloatArray
+    places: FloatArray
+    forces: FloatArray
+    velocities: FloatArray
     drift: float
     deflection: float
     length: float
@@ -176,7 +176,7 @@ def centre_drift(system: System, solution: Solution, name: str) -> float:
     centre, velocity, force = jax.device_get(found[number])
     acceleration = force / body.mass
 
-    def displacement(known: slice) -> Array:
+    def displacement(known: slice) -> FloatArray:
         spline = scipy.interpolate.CubicSpline(times[known], acceleration[known])
         return spline.antiderivative(2)(times)
 
@@ -226,7 +226,7 @@ def check_without_controllers(system: System) -> None:
         )
 
 
-def _share(change: Array, amplitudes: Array) -> Array:
+def _share(change: FloatArray, amplitudes: FloatArray) -> FloatArray:
     largest = np.linalg.norm(amplitudes, axis=1).max(initial=0.0)
     return read_only(np.linalg.norm(change, axis=1) / (largest or 1.0))
 

@@ -23,17 +23,15 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from numpy.typing import NDArray
 
 from supple.arguments import check_fields
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem import Isotropic
 from supple.methods.explicit.elements.solid_points import SolidPoints
 from supple.methods.explicit.tensor3 import Tensor, cofactor, determinant
 
 __all__ = ["BulkArrays", "BulkViscosity", "bulk_arrays"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

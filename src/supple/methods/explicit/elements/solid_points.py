@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, Isotropic, QuadraticStrain
 from supple.fem.section import Section
@@ -27,8 +28,6 @@ from supple.mesh import CellType
 from supple.mesh.reference_cell import reference_nodes
 
 __all__ = ["SolidPoints", "element_limits", "hourglass_stiffness", "solid_points"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

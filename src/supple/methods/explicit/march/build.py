@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from supple.arrays import FloatArray, IntArray
 from supple.equations.nodal_load import PreparedLoad, prepared
 from supple.errors import ModelError
 from supple.machine import At, BaseAcceleration, Contact, DeadForce, FollowerPressure, Placed, System, Tie
@@ -45,9 +45,6 @@ from supple.methods.explicit.modal_frame import ModalFrame
 from supple.methods.explicit.start_motion import rigid_velocities, undeformed
 
 __all__ = ["Built", "built"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

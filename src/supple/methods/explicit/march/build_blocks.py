@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.machine import Placed, System
 from supple.methods.explicit.elements import LayerArrays, ShellBlock, SolidBlock, incidence, triangle_axes
@@ -18,9 +18,6 @@ from supple.methods.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.methods.explicit.march.turning_nodes import Spins, TriadState
 
 __all__ = ["Blocks", "explicit_blocks"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,9 +9,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from numpy.typing import NDArray
 from scipy import linalg
 
+from supple.arrays import FloatArray, IntArray
 from supple.body import RigidBody
 from supple.equations.build_model import build_model
 from supple.equations.compiled_machine import CompiledMachine
@@ -36,9 +36,6 @@ from supple.methods.explicit.rigid_frame import RigidFrame
 from supple.methods.explicit.start_motion import undeformed
 
 __all__ = ["Framed", "build_frames"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from numpy.typing import NDArray
 from scipy import linalg
 
 from supple.algebra.cross import cross_matrix
+from supple.arrays import FloatArray, IntArray
 from supple.equations import marker_force
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import SystemMotion
@@ -34,8 +34,6 @@ from supple.programs.program_cache import CachedProgram
 
 __all__ = ["JoinedFrames", "joined_frames"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _REDUNDANT = 1e-8
 """Mobility of a constraint with the previous ones closed, divided by its mobility without them, below which

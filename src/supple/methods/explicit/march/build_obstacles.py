@@ -12,16 +12,14 @@ from __future__ import annotations
 
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from supple.arrays import FloatArray
 from supple.errors import ModelError
 from supple.machine import Contact, RigidSphere
 from supple.machine.obstacles import Obstacle
 
 __all__ = ["check_outside", "recoil"]
-
-FloatArray = NDArray[np.float64]
 
 
 def recoil(obstacle: Obstacle, points: FloatArray, stiffness: FloatArray) -> float:

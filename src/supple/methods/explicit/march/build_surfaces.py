@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.machine import SurfaceContact, System
 from supple.mesh.outer_faces import is_shell, outer_triangles
@@ -25,9 +25,6 @@ from supple.methods.explicit.modal_frame import ModalFrame
 from supple.methods.explicit.start_motion import undeformed
 
 __all__ = ["MarchNodes", "TiedNodes", "modal_skins", "touching_surfaces"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.machine import System, Tie
 from supple.mesh.outer_faces import outer_triangles
@@ -26,9 +26,6 @@ __all__ = [
     "met_material",
     "modal_ties",
 ]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 APART = 1e-9

@@ -9,9 +9,10 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from supple.arrays import AnyArray
 from supple.equations import control_force, marker_force, nodal_load
 from supple.equations.balance import constraint_jacobian
-from supple.equations.configuration import AnyArray, ControlState, ControlStep, SystemMotion
+from supple.equations.configuration import ControlState, ControlStep, SystemMotion
 from supple.equations.ends import markers
 from supple.equations.joint_force import constraints
 from supple.equations.machine_model import Model

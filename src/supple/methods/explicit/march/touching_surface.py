@@ -21,9 +21,9 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from supple.arrays import FloatArray, IntArray
 from supple.equations.compiler_options import STARTING
 from supple.mesh.facet_curvature import turned_over
 from supple.programs.program_cache import CachedProgram
@@ -39,8 +39,6 @@ __all__ = [
     "touching_surface",
 ]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 BEYOND = 0.05
 """Largest distance of a node beyond the edge of a face, in area coordinates, for contact with this face."""

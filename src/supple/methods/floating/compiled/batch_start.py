@@ -11,6 +11,7 @@ import jax
 import numpy as np
 from jax.tree_util import PyTreeDef
 
+from supple.arrays import AnyArray, Tree
 from supple.equations.build_model import build_model
 from supple.equations.compiled_machine import (
     CompiledMachine,
@@ -18,7 +19,7 @@ from supple.equations.compiled_machine import (
     forces_without_acceleration,
 )
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import AnyArray, Configuration, Tree
+from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import placed_configuration, placed_velocity
 from supple.equations.machine_model import Model
 from supple.equations.start_velocity import given_parts

@@ -24,7 +24,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.configuration import AnyArray
+from supple.arrays import AnyArray
 from supple.equations.machine_model import Model
 
 __all__ = [

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.custom_derivatives import SymbolicZero
 
-from supple.equations.configuration import AnyArray
+from supple.arrays import AnyArray
 from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.elimination import ByLapack
 from supple.methods.floating.compiled.sensitivity_step import StateChange, state_change, step_with_changes

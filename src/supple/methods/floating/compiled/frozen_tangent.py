@@ -33,7 +33,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.configuration import AnyArray
+from supple.arrays import AnyArray
 from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.contraction import LIKE, MEASURED_EVERY, is_predictable
 from supple.methods.floating.compiled.elimination import DenseElimination

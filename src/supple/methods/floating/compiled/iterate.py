@@ -7,8 +7,9 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
+from supple.arrays import AnyArray
 from supple.equations.balance import Balance, Linearization, balance
-from supple.equations.configuration import AnyArray, Configuration, ControlStep, SystemMotion, advance
+from supple.equations.configuration import Configuration, ControlStep, SystemMotion, advance
 from supple.equations.coordinate_scales import kinds_of_rows, position_scale
 from supple.equations.machine_model import Model
 from supple.equations.step_size import position_rounding

@@ -10,13 +10,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arrays import AnyArray
 from supple.equations.balance import balance, constraint_jacobian
 from supple.equations.build_model import build_model
 from supple.equations.checks.start_report import report_start
 from supple.equations.checks.strictness import warn_or_raise
 from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.compiler_options import STARTING
-from supple.equations.configuration import AnyArray, Configuration, SystemMotion, advance
+from supple.equations.configuration import Configuration, SystemMotion, advance
 from supple.equations.consistent_start import consistent_start
 from supple.equations.floating_solution import floating_solution, last_instant
 from supple.equations.joint_force import constraints

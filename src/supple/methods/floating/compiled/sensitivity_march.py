@@ -14,7 +14,7 @@ from typing import NamedTuple
 import jax
 import numpy as np
 
-from supple.equations.configuration import AnyArray
+from supple.arrays import AnyArray
 from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.programs import STOPS_AT_ONCE, ends_before_compiling, program_pair

@@ -20,7 +20,8 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from supple.equations.configuration import AnyArray, Configuration, ControlState
+from supple.arrays import AnyArray
+from supple.equations.configuration import Configuration, ControlState
 from supple.equations.control_force import stepped
 from supple.equations.coordinate_scales import position_scale
 from supple.equations.machine_model import Model

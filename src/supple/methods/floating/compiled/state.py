@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.equations.configuration import AnyArray, Configuration, ControlState
+from supple.arrays import AnyArray
+from supple.equations.configuration import Configuration, ControlState
 from supple.integrate import Coefficients
 from supple.methods.floating.compiled.contraction import Contraction
 from supple.methods.floating.compiled.frozen_tangent import FrozenInverse

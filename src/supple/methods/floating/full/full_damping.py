@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from supple.algebra.low_rank_update import LowRankUpdate
 from supple.algebra.sparse_factor import SparseFactor
+from supple.arrays import FloatArray
 from supple.body import FlexibleBody, Frame, FullBody, ModalDamping, NodalFixedFrame
 
 __all__ = ["FullDamping", "full_damping"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +27,11 @@ class FullDamping:
 
     full: FullBody
     constant: csc_array
-    columns: Array
-    signs: Array
+    columns: FloatArray
+    signs: FloatArray
     retardation_time: float
 
-    def force(self, rates: Array) -> Array:
+    def force(self, rates: FloatArray) -> FloatArray:
         """(C + W S W^T) q_dot, (n,); the elastic force includes the damping by strain rate."""
         return self.constant @ rates + self.columns @ (self.signs * (self.columns.T @ rates))
 
@@ -65,13 +63,13 @@ def full_damping(full: FullBody) -> FullDamping:
     return FullDamping(full, constant, columns, np.repeat([1.0, -1.0], 6), time)
 
 
-def _interface_motion(body: FlexibleBody, held: Frame) -> Array:
+def _interface_motion(body: FlexibleBody, held: Frame) -> FloatArray:
     """G (6, n), rigid motion of an interface: G R = I."""
     motion = held.constraint(body)
     return np.asarray(np.linalg.solve(motion @ body.rigid_modes, motion), dtype=np.float64)
 
 
-def _seen_from(body: FlexibleBody, held: Frame) -> Array:
+def _seen_from(body: FlexibleBody, held: Frame) -> FloatArray:
     """Columns [W, U], (n, 12), of P^T M P - M = W W^T - U U^T, with P = I - R G.
 
     U = M R L^-T and W = U - G^T L, with R^T M R = L L^T.
