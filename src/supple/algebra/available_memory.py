@@ -6,8 +6,6 @@ from pathlib import Path
 
 from supple.errors import MemoryShortageError
 
-__all__ = ["available_memory", "in_words", "require_memory"]
-
 _SYSTEM = Path("/proc/meminfo")
 _GROUP = Path("/sys/fs/cgroup")
 """Folder with the memory limit of a container (cgroup version 2)."""

@@ -23,9 +23,6 @@ from supple.algebra.sparse_factor import Matrix, SparseFactor, factorize_general
 from supple.arrays import FloatArray
 from supple.errors import AccuracyError
 
-__all__ = ["BorderedFactor", "bordered_factor"]
-
-
 LARGEST_REFINEMENT = 1e-3
 """Largest relative change of a solution by one refinement; above it the system counts as singular."""
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["cross_matrices", "cross_matrix"]
-
 
 def cross_matrix(w: np.ndarray) -> np.ndarray:
     """`skew(w)`, (3, 3): `skew(w) v = w x v`."""

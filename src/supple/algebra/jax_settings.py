@@ -32,17 +32,6 @@ import jax
 from supple.algebra.available_memory import available_memory
 from supple.errors import ForkedProcessError
 
-__all__ = [
-    "before_compiled_code",
-    "bound_programs",
-    "check_not_forked",
-    "count_program",
-    "keep_compiled_programs",
-    "on_program_release",
-    "release_programs",
-    "this_machine",
-]
-
 
 def keep_compiled_programs(folder: Path | None = None) -> Path | None:
     """Store compiled programs in a folder, by default the user's cache; returns the folder.

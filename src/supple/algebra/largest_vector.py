@@ -7,9 +7,6 @@ import numpy as np
 from supple.algebra.sparse_factor import Matrix
 from supple.arrays import FloatArray
 
-__all__ = ["largest_vector"]
-
-
 STRIDE = 64
 """Interval, in times, of the first pass; each later pass halves it, so it is a power of two."""
 AT_ONCE = 64

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csc_array
 
-__all__ = ["narrow_indices"]
-
 
 def narrow_indices(matrix: csc_array) -> csc_array:
     """The matrix with 32-bit indices if these suffice, otherwise the given one.

@@ -15,17 +15,6 @@ import numpy as np
 
 import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the first array
 
-__all__ = [
-    "angle_quotients",
-    "euler_parameters",
-    "right_jacobian_slope",
-    "rotation_exp",
-    "rotation_log",
-    "rotation_right_jacobian",
-    "skew",
-    "unskew",
-]
-
 # Below this squared angle the trigonometric quotients are replaced by their series (error < 1e-17).
 _SMALL_SQUARED_ANGLE = 1e-2
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import jax
 
-__all__ = ["small_product"]
-
 
 @jax.jit
 def small_product(a: jax.Array, b: jax.Array) -> jax.Array:

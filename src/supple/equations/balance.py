@@ -32,8 +32,6 @@ from supple.equations.machine_model import Model
 from supple.equations.places import MatrixBlock, assembled_matrix, assembled_vector
 from supple.integrate import StepFactors
 
-__all__ = ["Balance", "Linearization", "balance", "constraint_jacobian", "tangent", "tangent_blocks"]
-
 
 class Linearization(NamedTuple):
     """Intermediate results of `balance`, from which `tangent` is computed at the same motion.

@@ -47,19 +47,6 @@ from supple.machine.control.controller import Reading
 from supple.reduction.condensed_inertia import condensed_gram
 from supple.value_content import UserFunction, fixed_function
 
-__all__ = [
-    "build_model",
-    "check_apart",
-    "force_group_of",
-    "initial_points",
-    "is_on_full_nodes",
-    "readers_of",
-    "row_scales",
-    "seen_coordinates",
-    "station_model",
-    "system_length",
-]
-
 T = TypeVar("T")
 
 

@@ -28,8 +28,6 @@ from supple.equations.starting_machine import JointTerms, converged_reactions, j
 from supple.machine import System
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["CompiledMachine", "CompiledStart", "compiled_start"]
-
 
 @dataclass(frozen=True, eq=False)
 class CompiledMachine:

@@ -6,8 +6,6 @@ from typing import Any
 
 import jax
 
-__all__ = ["MARCHING", "STARTING"]
-
 _HAS_OLDER_GENERATOR = jax.__version_info__ < (0, 11)
 """JAX raises an error for an unknown option."""
 

@@ -13,15 +13,6 @@ from supple.arrays import AnyArray
 from supple.equations.machine_model import Model
 from supple.equations.places import over
 
-__all__ = [
-    "Configuration",
-    "ControlState",
-    "ControlStep",
-    "SystemMotion",
-    "advance",
-    "turns_by_increment",
-]
-
 
 class Configuration(NamedTuple):
     """Position, orientation and deformation of every body."""

@@ -26,8 +26,6 @@ from supple.equations.starting_machine import StartingMachine
 from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
 from supple.machine import JointFriction, System
 
-__all__ = ["ConsistentStart", "consistent_start"]
-
 _REDUNDANT = 1e-9
 """Largest part of a redundant row of the Jacobian that is independent of earlier rows, relative to the row,
 in the norm of `StartingMachine.metric`."""

@@ -35,24 +35,6 @@ from supple.integrate import StepFactors
 from supple.machine.forces.relative_motion import AxialMotion, axial_motion, wrapped
 from supple.machine.pose import Pose, Wrench
 
-__all__ = [
-    "by_body",
-    "driven_ends",
-    "first_states",
-    "force",
-    "local_forces",
-    "moved_markers",
-    "moved_with",
-    "rates_of",
-    "readings_at",
-    "readings_of",
-    "resting_control",
-    "seen_ends",
-    "states_by_controller",
-    "stepped",
-    "tangent",
-]
-
 Readings = dict[str, Pose | AxialMotion]
 """Readings of a controller by name: of an end, or of a joint."""
 

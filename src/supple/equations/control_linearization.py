@@ -30,8 +30,6 @@ from supple.equations.places import MatrixBlock, Places, assembled_matrix
 from supple.machine import Controller, System
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["LinearControl", "RestingControl", "control_at_rest", "unrest"]
-
 
 class LinearControl(NamedTuple):
     """Equations of small changes `z` of the states of all controllers, for motions `p` and velocities `v`.

@@ -17,15 +17,6 @@ from supple.errors import ModelError
 from supple.machine import Controller, JointReading, SampledController, System
 from supple.programs.program_cache import CachedProgram
 
-__all__ = [
-    "control_after",
-    "first_control",
-    "fresh_control",
-    "kept_control",
-    "kept_states",
-    "resumed_control",
-]
-
 
 def fresh_control(system: System) -> ControlState | None:
     """Controllers before a run, with zero outputs of sampled controllers."""

@@ -11,8 +11,6 @@ from supple.equations.machine_model import BodyGroup, Model
 from supple.equations.places import Places, assembled_vector
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["kinds_of_rows", "known_position_scale", "position_scale"]
-
 
 def position_scale(model: Model) -> jax.Array:
     """Size of a large change of each freedom, (n,).

@@ -17,8 +17,6 @@ from typing import NamedTuple
 from supple.equations.machine_model import Model
 from supple.equations.places import Places
 
-__all__ = ["EliminationTree", "elimination_tree"]
-
 NONE = -1
 
 

@@ -17,8 +17,6 @@ from supple.equations.machine_model import Ends, ForceGroup, JointGroup
 from supple.equations.marker import Marker
 from supple.equations.places import MatrixBlock, Places, over
 
-__all__ = ["blocks_on_bodies", "columns_on_velocities", "forces_on_bodies", "markers", "turns_of"]
-
 Element = JointGroup | ForceGroup
 
 

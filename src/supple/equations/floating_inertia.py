@@ -29,19 +29,6 @@ from supple.algebra.small_product import small_product
 from supple.arrays import AnyArray
 from supple.integrate import StepFactors
 
-__all__ = [
-    "FloatingState",
-    "InertiaArrays",
-    "InertiaTerms",
-    "floating_mass",
-    "frame_momenta",
-    "inertia_arrays",
-    "inertia_tangent",
-    "inertia_terms",
-    "kinetic_energy",
-    "velocity_fields",
-]
-
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)

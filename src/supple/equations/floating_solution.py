@@ -14,15 +14,6 @@ from supple.errors import ModelError
 from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution, Statistics
 from supple.machine import System
 
-__all__ = [
-    "StationMotions",
-    "body_motions",
-    "failure_message",
-    "floating_solution",
-    "joint_multipliers",
-    "last_instant",
-]
-
 
 def floating_solution(
     system: System,

@@ -26,14 +26,6 @@ from supple.body import FlexibleBody
 from supple.body.inertia_polynomial import SPIN_PAIRS, InertiaPolynomial
 from supple.integrate import StepFactors
 
-__all__ = [
-    "FullInertia",
-    "FullInertiaForces",
-    "FullMomenta",
-    "FullMotion",
-    "InertiaBorder",
-]
-
 
 class FullMotion(NamedTuple):
     """Coordinates of the body, their rates and accelerations (n,); motion of the frame (3,)."""

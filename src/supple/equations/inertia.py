@@ -19,8 +19,6 @@ from supple.equations.machine_model import BodyGroup, Model
 from supple.equations.places import MatrixBlock, assembled_matrix, over
 from supple.integrate import StepFactors
 
-__all__ = ["floating_states", "force", "mass_matrix", "tangent"]
-
 
 def floating_states(model: Model, group: BodyGroup, motion: SystemMotion) -> FloatingState:
     """Motion of the bodies of a group in their frames, stacked."""

@@ -13,8 +13,6 @@ from supple.equations.places import over
 from supple.equations.polynomial_force import polynomial_damping, polynomial_force
 from supple.integrate import StepFactors
 
-__all__ = ["InternalMatrices", "force", "tangent"]
-
 
 class InternalMatrices(NamedTuple):
     """Data of the tangent from the force, (k, r, r) each."""

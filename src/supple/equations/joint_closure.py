@@ -11,8 +11,6 @@ from supple.equations.step_size import position_rounding
 from supple.errors import ConvergenceError, ModelError
 from supple.machine import System
 
-__all__ = ["check_joints_finite", "joints_assembled", "joints_closed", "row_labels"]
-
 _LARGEST_TURN = 0.3
 """Largest component of a body's rotation (rad), and of its translation relative to the machine's size, in an
 iteration."""

@@ -31,18 +31,6 @@ from supple.equations.machine_model import JointGroup, Model
 from supple.equations.places import MatrixBlock, Places, assembled_matrix, assembled_vector, over
 from supple.programs.program_cache import CachedProgram
 
-__all__ = [
-    "LinearizedJoints",
-    "all_multipliers",
-    "constraint_blocks",
-    "constraint_rows",
-    "constraints",
-    "force",
-    "linearized",
-    "residuals",
-    "tangent",
-]
-
 
 class LinearizedJoints(NamedTuple):
     """A group of joints at one configuration."""

@@ -37,16 +37,6 @@ from supple.equations.marker import (
 from supple.machine.pose import Pose
 from supple.programs.program_cache import CachedProgram
 
-__all__ = [
-    "Blocks",
-    "JointLinearization",
-    "affine_form",
-    "axial",
-    "geometric_stiffness",
-    "joint_equations",
-    "linearize_joint",
-]
-
 
 class JointLinearization(NamedTuple):
     """Results of one evaluation of a joint, for forces, Jacobian and tangent."""

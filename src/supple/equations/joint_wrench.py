@@ -30,8 +30,6 @@ from supple.machine import GROUND, At, Joint, System, TimeLaw
 from supple.programs.program_cache import CachedProgram
 from supple.value_content import fixed_function
 
-__all__ = ["joint_wrenches"]
-
 # Number of times in one block. The last block is padded, so that one compiled program serves runs of any
 # length.
 _BLOCK = 2048

@@ -27,18 +27,6 @@ from supple.reduction.pair_blocks import PairBlocks
 if TYPE_CHECKING:
     from supple.equations.nodal_load import PreparedLoad
 
-__all__ = [
-    "Actuator",
-    "BodyGroup",
-    "ControlLaw",
-    "Ends",
-    "ForceGroup",
-    "JointGroup",
-    "Model",
-    "NodalLoadArrays",
-    "Reader",
-]
-
 STATIC = {"static": True}
 """Marks a field that belongs to the structure of a compiled program, not to its data."""
 

@@ -27,20 +27,6 @@ from supple.algebra.rotation import right_jacobian_slope, rotation_exp, rotation
 from supple.algebra.small_product import small_product
 from supple.machine.pose import Pose, Wrench
 
-__all__ = [
-    "N_LOCAL",
-    "Marker",
-    "displaced",
-    "frame_map",
-    "generalized_force",
-    "orientation",
-    "point",
-    "pose",
-    "pose_at_rest",
-    "with_rates",
-    "wrench_stiffness",
-]
-
 N_LOCAL = 12
 """Number of local freedoms of a marker: `dR (3), dpsi (3), du (3), dtheta (3)`."""
 

@@ -25,8 +25,6 @@ from supple.integrate import StepFactors
 from supple.machine import TimeLaw
 from supple.machine.pose import Wrench
 
-__all__ = ["force", "tangent"]
-
 
 def _on_local_freedoms(
     wrenches: Callable[..., tuple[Wrench, Wrench]],

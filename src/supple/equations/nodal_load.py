@@ -21,16 +21,6 @@ from supple.equations.configuration import SystemMotion
 from supple.equations.machine_model import STATIC, NodalLoadArrays
 from supple.machine import NodalLoad, TimeLaw
 
-__all__ = [
-    "PreparedLoad",
-    "force",
-    "forces_by_places",
-    "forces_by_rotation",
-    "nodal_forces",
-    "prepared",
-    "tangent",
-]
-
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)

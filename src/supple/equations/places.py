@@ -17,8 +17,6 @@ import numpy as np
 
 from supple.arrays import AnyArray
 
-__all__ = ["MatrixBlock", "Places", "assembled_matrix", "assembled_vector", "over"]
-
 R = TypeVar("R")
 
 

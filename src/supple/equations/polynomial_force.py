@@ -21,9 +21,6 @@ from jax.custom_derivatives import SymbolicZero
 
 from supple.reduction.pair_blocks import PairBlocks
 
-__all__ = ["Quartic", "polynomial_damping", "polynomial_energy", "polynomial_force"]
-
-
 Quartic: TypeAlias = jax.Array | PairBlocks
 """The matrix (n2, n2) of packed pairs, or its blocks."""
 

@@ -19,8 +19,6 @@ from supple.machine import SampledController, System
 from supple.machine.control.controller import as_memory
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["ControllerSampling", "joined_legs", "march_sampled", "sampling_of"]
-
 
 class _Timed(Protocol):
     """The state of an engine."""

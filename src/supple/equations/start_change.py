@@ -13,17 +13,6 @@ from supple.equations.configuration import Configuration
 from supple.equations.start_velocity import given_parts, has_motion
 from supple.machine import System
 
-__all__ = [
-    "ConstraintViolation",
-    "DeformingStart",
-    "PositionCorrection",
-    "StartChange",
-    "StartEnergies",
-    "VelocityCorrection",
-    "VelocityFromJoints",
-    "velocities_taken",
-]
-
 OPEN = 1e-6
 """Largest residual of a closed joint, relative to the machine's size or in rad; placements with six digits
 have smaller residuals."""

@@ -33,18 +33,6 @@ from supple.equations.configuration import Configuration
 from supple.equations.starting_machine import JointTerms, StartingMachine
 from supple.machine import System
 
-__all__ = [
-    "RigidFit",
-    "VelocityChange",
-    "change_by_levels",
-    "given_parts",
-    "has_motion",
-    "impact_fit",
-    "levels_of_body",
-    "rigid_fit",
-    "velocity_change",
-]
-
 _RANK = 1e-9
 """Relative effect on the joints below which a motion depends on others and is ignored."""
 _MET = 1e-9

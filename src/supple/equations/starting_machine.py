@@ -19,8 +19,6 @@ from supple.errors import ConvergenceError
 from supple.machine import System
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["JointTerms", "StartingMachine", "converged_reactions", "joint_terms"]
-
 MOST, CONVERGED = 100, 1e-12
 """Iterations, and the relative change of the joint forces at which they stop."""
 

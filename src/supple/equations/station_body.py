@@ -19,8 +19,6 @@ from supple.arrays import AnyArray
 from supple.integrate import FloatingMotion, FramedMotion, Motion
 from supple.machine import System
 
-__all__ = ["BodyState", "MachineWithStations", "StationBody", "StationBodyForces", "Stations"]
-
 
 class BodyState(NamedTuple):
     """Motion of one body at an instant; velocity and acceleration (6 + r,)."""

@@ -36,19 +36,6 @@ from supple.integrate import StepFactors
 from supple.machine import GROUND
 from supple.programs.program_cache import CachedProgram
 
-__all__ = [
-    "LinearEquations",
-    "SteadyEquations",
-    "SteadyRotation",
-    "dynamic_stiffness",
-    "in_turning_axes",
-    "linear_equations",
-    "steady_motion",
-    "turning_velocities",
-    "work_of_turning",
-]
-
-
 _LARGE = 2.0**300
 """A power of two: scaling by it causes no rounding."""
 

@@ -10,8 +10,6 @@ import numpy as np
 
 from supple.arrays import AnyArray
 
-__all__ = ["next_step", "position_rounding"]
-
 
 def position_rounding(length: AnyArray, origins: AnyArray) -> AnyArray:
     """Rounding error of positions, relative to the system's `length`.

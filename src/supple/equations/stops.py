@@ -12,8 +12,6 @@ from supple.integrate import AdaptiveStep, Run
 from supple.machine import System, TimeLaw
 from supple.machine.laws.instants import instants_of_law
 
-__all__ = ["Stops", "laws_of", "padded_stops", "stepping_instants"]
-
 _NEAREST = 1e-5
 """Fraction of the duration: instants nearer to an output time or a call of a controller are skipped, because
 accelerations would lose digits. This distance is at most the first step, and at least the smallest step."""

@@ -29,8 +29,6 @@ from supple.machine import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, largest_displacement, quantity_distance
 from supple.reduction import ReductionBasis
 
-__all__ = ["assessed_basis", "basis_parts", "distances", "in_full", "stated_of"]
-
 NEGLIGIBLE = 1e-3
 """Ratio to the largest displacement below which quasi-static motion outside the basis is ignored."""
 

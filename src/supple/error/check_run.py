@@ -46,8 +46,6 @@ from supple.reduction.projection import project_unchecked
 from supple.reduction.second_order import second_order_beyond
 from supple.simulation.watched_run import watched_run
 
-__all__ = ["check_run"]
-
 MODES, DIRECTIONS = 24, 12
 INSTANTS = 50
 NEGLECTED = 0.05

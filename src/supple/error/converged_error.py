@@ -12,16 +12,6 @@ from supple.error.equation.linearised_march import ErrorState
 from supple.error.stopping import locks
 from supple.reduction import ReducedBody
 
-__all__ = [
-    "Differences",
-    "converged",
-    "deflection",
-    "deformed_rows",
-    "is_finite",
-    "is_large",
-    "is_small",
-]
-
 SMALL_SECOND = 0.1
 """Ratio of the second correction to the first, below which the first-order error is accepted. For struck
 plates and strips, the converged error differs from the first order by a third to a tenth of this ratio."""

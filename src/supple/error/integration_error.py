@@ -39,8 +39,6 @@ from supple.machine import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, quantity_distance
 from supple.simulation.watched_run import watched_run
 
-__all__ = ["IntegrationError", "floor_of", "integration_errors", "with_shorter_steps", "with_tolerance"]
-
 HALF = 0.5
 TIGHTER = 1e-2
 """Newton's tolerance of the two runs over that of the assessed run."""

@@ -6,8 +6,6 @@ import numpy as np
 
 from supple.arrays import FloatArray
 
-__all__ = ["leading_fields"]
-
 
 def leading_fields(
     columns: FloatArray, coordinates: FloatArray, number: int = 1, most: int | None = None

@@ -7,8 +7,6 @@ from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
 from supple.methods.intrinsic.truncation_error import truncation_parts
 
-__all__ = ["line_parts"]
-
 
 def line_parts(system: System, solution: Solution) -> dict[str, ErrorPart]:
     """Error caused by the number of modes, by name of every intrinsic body for which it is known."""

@@ -37,8 +37,6 @@ from supple.methods.floating.full.frozen_tangent import FrozenTangent, frozen_ta
 from supple.methods.floating.full.full_state import Evaluation, FullState
 from supple.methods.floating.full.full_system import FullSystem
 
-__all__ = ["CONVERGED", "FOLLOWED", "MissingMotion", "MissingMotionSearch"]
-
 CONVERGED = 1e-3
 """Convergence tolerance: ratio of the last correction to the motion found."""
 FOLLOWED = 0.1

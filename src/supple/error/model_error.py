@@ -63,8 +63,6 @@ from supple.quantities.place import Place
 from supple.quantities.quantity_of_interest import blocks_of_times, largest_displacement
 from supple.reduction import ReductionBasis
 
-__all__ = ["model_errors", "model_errors_by_limit", "widest_instants"]
-
 INSTANTS = 6
 """Number of times at which forces are compared: those of the largest rotation in six parts of the run."""
 CANTILEVER = 1.5

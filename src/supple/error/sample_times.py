@@ -12,8 +12,6 @@ from supple.machine import System
 from supple.machine.laws.instants import instants_of_law
 from supple.machine.laws.sampled_law import law_samples
 
-__all__ = ["followed", "load_peaks", "stratified_samples"]
-
 MOST_PEAKS = 8
 """Largest number of load peaks and kinks, added to the stratified samples."""
 

@@ -11,8 +11,6 @@ from supple.body import FullBody
 from supple.machine import Placed, System
 from supple.reduction import ReducedBody, ReductionBasis, enrich
 
-__all__ = ["with_reduced", "with_start"]
-
 
 def with_start(placed: Placed, full: FullBody, basis: ReductionBasis) -> ReductionBasis:
     """The basis extended by the body's initial deformation and its rates.

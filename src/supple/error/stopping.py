@@ -21,8 +21,6 @@ from supple.body.full_body import FullBody
 from supple.reduction import ReducedBody, ReductionBasis
 from supple.reduction.locking import TOLERATED
 
-__all__ = ["MissedPart", "doubt", "is_confirmed", "is_useless", "locking_loss", "locks", "missed_part"]
-
 AGREES = 2.0
 """Largest factor by which the distance of two runs may be larger or smaller than the estimated error of the
 first run; within this factor, they agree."""

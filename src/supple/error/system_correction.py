@@ -32,8 +32,6 @@ from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody
 from supple.reduction import ReducedBody, enrich, padded, project, reduction_basis
 from supple.reduction.tensors import require_tensor_memory
 
-__all__ = ["Accepted", "Announce", "Problem", "correct"]
-
 Announce = Callable[[Round], None]
 """Called with every finished round; with several bodies, once per body."""
 

@@ -30,8 +30,6 @@ from supple.errors import StepCutWarning
 from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
 from supple.machine import System
 
-__all__ = ["correct_wholly"]
-
 SHARES = {"newton": 0.1, "step": 0.4, "basis": 0.5}
 """Shares of the parts in `ROOM` times (allowed error - error of the model), the cheapest part first."""
 ROOM = 0.8

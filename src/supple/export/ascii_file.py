@@ -8,8 +8,6 @@ from pathlib import Path
 from supple.errors import ResultFileError
 from supple.storage.atomic_write import replacing
 
-__all__ = ["check_not_foreign", "write_ascii"]
-
 
 def write_ascii(path: Path | str, lines: Iterable[str]) -> Path:
     """Write lines with a question mark for each character outside ASCII; returns the path.

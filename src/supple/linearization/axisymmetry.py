@@ -9,8 +9,6 @@ import scipy.linalg
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-__all__ = ["RoundBody", "shapes_without_copy", "turn_generator", "waves_around"]
-
 Array = np.ndarray
 
 SAME_PLACE = 1e-6

@@ -13,8 +13,6 @@ from supple.errors import BasisWarning
 from supple.linearization.linear_machine import FullMachine, likeness
 from supple.simulation.equilibrium import LARGEST_ERROR, REMEDY
 
-__all__ = ["MORE", "ModeError", "mode_error"]
-
 MORE = 4
 """Number of modes of the full machine that are computed for matching, in addition to those to be matched."""
 UNLIKE = 0.5

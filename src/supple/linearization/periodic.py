@@ -20,8 +20,6 @@ from scipy import linalg
 
 from supple.errors import AccuracyError
 
-__all__ = ["FloquetModes", "Periodic", "floquet_modes"]
-
 Array = np.ndarray
 
 ROUNDS = (4, 7, 11)

@@ -22,8 +22,6 @@ from supple.errors import AccuracyError, ModelError
 from supple.linearization.linear_machine import Array, LinearMachine, mass_squares
 from supple.linearization.sparse_machine import LARGEST_DENSE, SlowMotions, SparseMachine
 
-__all__ = ["Pairs", "slowest_motions"]
-
 _GUARD = 4
 """Number of modes computed in addition to the requested ones, so that none of the latter is missed."""
 

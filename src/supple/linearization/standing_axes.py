@@ -42,8 +42,6 @@ from supple.machine import GROUND, Joint, Spin
 from supple.simulation.resting_state import RestingState, placed_at_rest
 from supple.simulation.turned_machine import CONSTANT, equations_turned_on, turning_bodies
 
-__all__ = ["FEW", "RotatingMachine", "Sampled", "in_standing_axes"]
-
 FEW, SAMPLES = 7, 16
 """Numbers of angles of a revolution: `FEW` for comparing the equations, `SAMPLES` for their harmonics."""
 FINE = 64

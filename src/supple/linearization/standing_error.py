@@ -32,8 +32,6 @@ from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.resting_state import RestingState
 from supple.simulation.stored_basis import coordinates_of_nodes
 
-__all__ = ["StandingTurn", "slowest_in_standing_axes"]
-
 ROUNDS = 8
 """Largest number of extensions of the bases."""
 STAYS = 1e-6

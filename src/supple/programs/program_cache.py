@@ -33,8 +33,6 @@ from supple.algebra.jax_settings import count_program, on_program_release
 from supple.programs.program_digest import digest_of_sources, program_digest, text_digest
 from supple.programs.program_worker import program_of_file
 
-__all__ = ["CachedProgram"]
-
 Arguments = tuple[Any, ...]
 """Pytrees of arrays"""
 LeafType = tuple[tuple[int, ...], str, bool]

@@ -28,8 +28,6 @@ from jax.tree_util import PyTreeDef
 from supple.algebra.jax_settings import this_machine
 from supple.value_content import UserFunction
 
-__all__ = ["digest_of_sources", "program_digest", "text_digest"]
-
 _PACKAGE = __name__.partition(".")[0]
 _ABOVE = ("cases", "cli", "export", "report", "results", "sweeps", "viz")
 """Folders of this package that contain no traced code: traced code never imports them."""

@@ -26,8 +26,6 @@ from jax.stages import Compiled
 from jax.tree_util import PyTreeDef
 from jaxlib.lapack import prepare_lapack_call
 
-__all__ = ["answer_questions", "program_of_file", "serve"]
-
 
 def program_of_file(file: Path, taken: PyTreeDef, given: PyTreeDef | None = None) -> Compiled:
     """The compiled program in a file, for one processor.

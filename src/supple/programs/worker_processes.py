@@ -34,8 +34,6 @@ from supple.other_processes import available_cores, python_command, python_envir
 from supple.programs import program_worker
 from supple.programs.program_cache import Arguments, CachedProgram
 
-__all__ = ["Finished", "Task", "Work", "on_all_cores", "shared_out"]
-
 _WORTH = 3.0
 """Seconds of remaining work per process started: starting one takes more than one second."""
 _MEMORY = 2**29

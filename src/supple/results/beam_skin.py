@@ -13,8 +13,6 @@ from supple.fem.beam_stress import rod_line
 from supple.fem.model import line_of
 from supple.mesh.section_geometry import ROUND_CORNERS
 
-__all__ = ["BeamSkin", "beam_skin", "outlines"]
-
 _Loop = FloatArray
 """(k, 2) corners of a convex polygon"""
 

@@ -16,8 +16,6 @@ from supple.results import without_noise
 from supple.results.explicit_fields import element_means
 from supple.units import UnitSystem, labelled
 
-__all__ = ["DEFLECTION", "PLASTIC_STRAIN", "Colouring", "stress_colouring"]
-
 
 @dataclass(frozen=True)
 class Colouring:

@@ -13,8 +13,6 @@ from supple.methods.explicit import ExplicitShell, ExplicitSubdomain
 from supple.methods.explicit.motions import NodalMotion
 from supple.units import UnitSystem
 
-__all__ = ["element_means", "largest_part_stress"]
-
 
 def element_means(
     body: ExplicitSubdomain | ExplicitShell, values: FloatArray, alive: FloatArray

@@ -23,8 +23,6 @@ from supple.methods.explicit.motions import NodalMotion
 from supple.quantities import Channel, QuantityKind
 from supple.results.run_tables import Numbers
 
-__all__ = ["MarchEnergySensor", "energy_balance", "explicit_cost_line", "march_numbers", "part_numbers"]
-
 
 @dataclass(frozen=True)
 class MarchEnergySensor:

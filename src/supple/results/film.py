@@ -11,9 +11,6 @@ from supple.arrays import FloatArray, IntArray
 from supple.errors import ModelError
 from supple.units import UnitSystem, plain_number
 
-__all__ = ["MOST_FRAMES", "Film", "RotorAngle", "film_rows", "speed_words", "standing_rows"]
-
-
 N_FRAMES = 60
 """Number of frames of an animation without a given speed."""
 MOST_FRAMES = 2000

@@ -11,8 +11,6 @@ from supple.linearization.linear_machine import STANDING
 from supple.results.run_tables import Numbers, TextTable, head
 from supple.units import UnitSystem, headed, plain_number, with_unit
 
-__all__ = ["SENSES", "mode_tables", "speed_tables"]
-
 _HELD = 1e-3
 """Least share of the mass that moves with a mode of a machine held by the ground."""
 

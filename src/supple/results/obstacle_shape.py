@@ -11,9 +11,6 @@ from supple.machine import RigidCylinder, RigidPlane, RigidSphere, System
 from supple.machine.obstacles import Obstacle
 from supple.methods.explicit import OBSTACLES
 
-__all__ = ["obstacle_offsets", "obstacle_shape"]
-
-
 _AROUND, _UP = 32, 16
 
 

@@ -18,8 +18,6 @@ from supple.results.run_tables import (
     shown_error,
 )
 
-__all__ = ["rest_error_table", "rest_tables"]
-
 
 def rest_tables(numbers: Numbers) -> list[TextTable]:
     """Tables of bodies, joint forces, positions, deflections and sensors; numbers from `summarize`."""

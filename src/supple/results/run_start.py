@@ -12,8 +12,6 @@ from supple.integrate import FramedMotion, Solution
 from supple.machine import System
 from supple.results.run_tables import Numbers
 
-__all__ = ["first_swing", "start_lines", "start_numbers"]
-
 FALLEN = 0.7
 """A deformation has swung back if it is below this fraction of its previous maximum."""
 NOTED = 0.5

@@ -10,8 +10,6 @@ from supple.errors import ModelError
 from supple.results.camera import Camera
 from supple.units import plain_number
 
-__all__ = ["View", "enlarged_words"]
-
 
 @dataclass(frozen=True, eq=False)
 class View:

@@ -26,9 +26,6 @@ from supple.sensitivity.moved_motion import displaced_states, small_step
 from supple.sensitivity.observable import Observables, observables_of, reads_elements
 from supple.sensitivity.parameter_changes import ParameterChanges
 
-__all__ = ["DerivativeReader", "read"]
-
-
 _STEPS = (1.0, 1e-2, 1e-4)
 """Steps along motion', relative to the smaller of `small_step` and the parameter's step: the next one is
 tried for observables that are not smooth."""

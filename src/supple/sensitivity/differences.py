@@ -19,8 +19,6 @@ from numpy.typing import ArrayLike
 
 from supple.arrays import FloatArray
 
-__all__ = ["OFFSETS", "central_difference", "looks_smooth"]
-
 OFFSETS = (-2, -1, 1, 2)
 """Evaluation points besides the middle, in steps."""
 _SMOOTH = 1e-3

@@ -10,8 +10,6 @@ from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.sensitivity_step import StateChange
 from supple.methods.floating.compiled.state import State
 
-__all__ = ["displaced_states", "small_step"]
-
 _SMALL = 1e-3
 """Largest change of the motion by `small_step`: rotations in rad, positions relative to the machine's length,
 deformations relative to the largest one of the body."""

@@ -30,8 +30,6 @@ from supple.methods.floating.compiled.sensitivity_step import Carried, StateChan
 from supple.methods.floating.compiled.state import State
 from supple.sensitivity.differences import OFFSETS, central_difference, looks_smooth
 
-__all__ = ["Build", "ParameterChanges", "parameter_changes"]
-
 Build = Callable[[Mapping[str, float]], System]
 """Function that returns the machine for parameter values by name"""
 

@@ -19,8 +19,6 @@ from supple.programs.worker_processes import shared_out
 from supple.simulation.batch_solution import BatchSolution
 from supple.simulation.case_worker import CaseWork
 
-__all__ = ["batch_in_turn"]
-
 
 def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) -> BatchSolution:
     """Simulate each case separately, as by `simulate(check=False)`, on all cores if that is faster.

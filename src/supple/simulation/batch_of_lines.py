@@ -27,8 +27,6 @@ from supple.methods.intrinsic.truncation_error import report_truncation_of_cases
 from supple.simulation.batch_in_turn import batch_in_turn, require_memory_of_chunk
 from supple.simulation.batch_solution import BatchSolution
 
-__all__ = ["batch_of_lines"]
-
 
 def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Progress | None) -> BatchSolution:
     """Simulate cases of machines of intrinsic bodies; the solutions are those of `simulate(check=False)`.

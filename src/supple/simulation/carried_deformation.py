@@ -26,8 +26,6 @@ from supple.methods.explicit import ModalSubdomain
 from supple.reduction import ReducedBody
 from supple.simulation.stored_basis import coordinates_of_nodes, stored_basis
 
-__all__ = ["Deformation", "PlacedFrame", "ProjectionLoss", "TransferredDeformation", "carried_deformation"]
-
 SAME_PLACE = 1e-6
 """Largest distance between nodes of two meshes that count as equal, relative to the size of the body."""
 MOST_ROUNDS, CONVERGED = 30, 1e-14

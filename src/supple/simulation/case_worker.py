@@ -11,9 +11,6 @@ from supple.integrate import Run, Solution
 from supple.machine import System
 from supple.programs.program_worker import serve
 
-__all__ = ["CaseWork"]
-
-
 Answer = tuple[dict[str, Any], list[Warning | str]]
 """Fields of a solution, and the warnings of its run"""
 

@@ -16,8 +16,6 @@ from supple.simulation.engines import is_explicit
 from supple.storage.run_inputs import ORDER_OF_CONTROLLERS, Inputs
 from supple.storage.value_bytes import bytes_of, digest_of_parts
 
-__all__ = ["description", "inputs_of"]
-
 
 def description(system: System, run: Run) -> str:
     """Names of bodies and joints, and the span of the run."""

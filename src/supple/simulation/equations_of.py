@@ -15,8 +15,6 @@ from supple.methods.floating import compiled_statics, full_statics
 from supple.methods.intrinsic.line_in_frame import lines_in_frames
 from supple.methods.intrinsic.line_statics import line_statics
 
-__all__ = ["equations_of", "with_held_servos"]
-
 
 def equations_of(
     system: System, turning: SteadyRotation | None, time: float, known: tuple[int, ...] | None = None

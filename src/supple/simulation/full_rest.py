@@ -33,15 +33,6 @@ from supple.simulation.equations_of import with_held_servos
 from supple.simulation.resting_state import RestingState, placed_at_rest
 from supple.simulation.stored_basis import stored_bases
 
-__all__ = [
-    "EquilibriumError",
-    "FullEquilibrium",
-    "fixes_rigid_motion",
-    "full_rest",
-    "known_fulls",
-    "rest_errors",
-]
-
 SLOWNESS = 1e3
 """Lowest angular frequency times `sqrt(k)`: M / k is then negligible compared with K_T."""
 CONTRACTS = 1 / 3

@@ -15,8 +15,6 @@ from supple.machine.forces.relative_motion import wrapped
 from supple.machine.pose import Pose
 from supple.quantities.end_motion import axial_motions, both_ends
 
-__all__ = ["report_half_revolutions"]
-
 _COUNTING = (
     "For larger angles use a Controller, whose JointReading counts revolutions, with a TorqueBetween, or an "
     "AngleServo for a rest angle that the motion follows"

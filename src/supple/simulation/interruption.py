@@ -13,8 +13,6 @@ from types import FrameType
 
 from supple.storage import ResultFile
 
-__all__ = ["INTERRUPTIONS", "Terminated", "noted_interruption", "raising_terminated"]
-
 LOGGER = logging.getLogger("supple")
 
 

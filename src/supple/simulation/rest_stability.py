@@ -14,8 +14,6 @@ from supple.errors import AccuracyError
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.resting_state import RestingState
 
-__all__ = ["free_motions", "is_stable"]
-
 SKEW = 1e-6
 """Largest unsymmetric part of the stiffness attributed to rounding, relative to the largest entry of the
 stiffness; a larger part is due to nonconservative forces, and stability is not decided."""

@@ -22,8 +22,6 @@ from supple.simulation.equations_of import equations_of
 from supple.simulation.spin_of_joints import check_joints_permit
 from supple.summary import place_text
 
-__all__ = ["RestingState", "at_rest", "placed_at_rest", "resting_state"]
-
 _ON_AXIS = 1e-6
 """Distance of a centre of mass from the axis, relative to the size of the machine, that is rounding."""
 

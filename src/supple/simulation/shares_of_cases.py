@@ -31,8 +31,6 @@ from supple.methods.floating.compiled.state import Controls, State
 from supple.programs.program_cache import Arguments, CachedProgram
 from supple.programs.worker_processes import Task
 
-__all__ = ["SharesOfCases", "shares_of"]
-
 
 @dataclass(frozen=True)
 class SharesOfCases:

@@ -17,8 +17,6 @@ from supple.errors import ModelError, SuppleWarning
 from supple.machine import GROUND, At, Joint, System
 from supple.machine.pose import Pose
 
-__all__ = ["check_joints_permit"]
-
 ANGLE = 0.7
 """Rotation after which the joints are evaluated, rad; unlikely as an angle of symmetry."""
 OPEN = 0.05

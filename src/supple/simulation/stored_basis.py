@@ -13,8 +13,6 @@ from supple.errors import ModelError
 from supple.machine import System
 from supple.reduction import ReducedBody, ReductionBasis
 
-__all__ = ["coordinates_of_nodes", "stored_bases", "stored_basis"]
-
 DIFFERENT = 1e-8
 """Least-squares residual, relative to the nodal basis, above which `full` and `reduced` do not match."""
 LIKE = 1e-6

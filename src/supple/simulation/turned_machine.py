@@ -30,17 +30,6 @@ from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equations_of import equations_of
 from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest
 
-__all__ = [
-    "CONSTANT",
-    "TurnedEquations",
-    "equations_turned_on",
-    "refuse_other_speeds",
-    "refuse_turning_bushings",
-    "turning_bodies",
-    "warn_of_varying_loads",
-]
-
-
 CONSTANT = 1e-6
 """Relative variation of the equations over the rotation above which they are not constant."""
 LITTLE_UNBALANCE = 1e-5

@@ -26,8 +26,6 @@ from supple.simulation.engines import engine_for, is_explicit
 from supple.simulation.half_revolutions import report_half_revolutions
 from supple.simulation.recorded_columns import measured_columns
 
-__all__ = ["check_laws_cover", "report_resolution", "warn_of_unseen_laws", "watched_run"]
-
 
 def watched_run(
     system: System,

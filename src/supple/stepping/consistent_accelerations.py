@@ -18,8 +18,6 @@ from supple.equations.starting_machine import CONVERGED, MOST, joint_terms
 from supple.methods.floating.compiled.state import State
 from supple.stepping.external_inputs import ExternalInputs
 
-__all__ = ["after_jump", "consistent_accelerations"]
-
 
 def consistent_accelerations(
     model: Model,

@@ -19,8 +19,6 @@ from supple.machine.system import Load
 from supple.quantities import ElementEnergySensor, Quantity, SpringForceSensor
 from supple.stepping.variables import Variable
 
-__all__ = ["Driven", "ExternalInputs", "external_inputs"]
-
 Driven = Joint | Load
 """An element of a machine that may have a law of time."""
 _Laws = TypeVar("_Laws")

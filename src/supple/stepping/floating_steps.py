@@ -16,8 +16,6 @@ from supple.methods.floating.compiled.differentiable_march import marched_to
 from supple.methods.floating.compiled.engine import controls, initial_state, system_motion
 from supple.methods.floating.compiled.state import Controls, State
 
-__all__ = ["FloatingSteps", "floating_steps"]
-
 
 @dataclass(frozen=True, eq=False)
 class FloatingSteps:

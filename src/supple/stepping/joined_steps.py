@@ -21,8 +21,6 @@ from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine
 from supple.methods.intrinsic.joined_start import instant_rates
 from supple.methods.intrinsic.joined_step import JoinedState, JoinedStepping, joined_step
 
-__all__ = ["JoinedSteps", "joined_steps"]
-
 
 class SteppedState(NamedTuple):
     """A `MarchingState` that contains the state of the time integration."""

@@ -8,8 +8,6 @@ from supple.arrays import AnyArray, Tree
 from supple.equations.configuration import SystemMotion
 from supple.equations.machine_model import Model
 
-__all__ = ["Marching", "MarchingState"]
-
 
 class MarchingState(Protocol):
     """The state of a method between two steps, a pytree."""

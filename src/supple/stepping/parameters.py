@@ -21,8 +21,6 @@ from supple.quantities import Quantity
 from supple.stepping.external_inputs import Driven
 from supple.stepping.variables import Variable
 
-__all__ = ["AffineArrays", "MachineParameters", "affine_arrays"]
-
 _STEP = 2.0**-6
 """Step of a parameter for slopes, relative to its value, or absolute for a value of zero; a power of two, for
 which slopes of linear arrays are exact."""

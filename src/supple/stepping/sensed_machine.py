@@ -16,8 +16,6 @@ from supple.quantities import (
     SpringForceSensor,
 )
 
-__all__ = ["SensedMachine", "ends_on_lines"]
-
 
 @dataclass(frozen=True, eq=False)
 class SensedMachine:

@@ -38,8 +38,6 @@ from supple.stepping.sensed_machine import SensedMachine
 from supple.stepping.variables import Variable
 from supple.units import UnitSystem
 
-__all__ = ["Contacts", "SensedOutputs", "contacts_of", "sensed_outputs"]
-
 Reads = Callable[[Model, SystemMotion, AnyArray, AnyArray], AnyArray]
 """Function (model, motion, previous channels (c,), time since the previous channels) -> channels (c,)."""
 

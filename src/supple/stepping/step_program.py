@@ -34,8 +34,6 @@ from supple.stepping.sensed_outputs import Contacts, SensedOutputs, contacts_of,
 from supple.stepping.variables import Variable, check_names
 from supple.units import UNNAMED, UnitSystem
 
-__all__ = ["StepProgram", "StepState", "step_program"]
-
 
 class StepState(NamedTuple):
     """The complete state of a machine between two steps, a pytree."""

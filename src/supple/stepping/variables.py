@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from supple.errors import ModelError
 
-__all__ = ["Variable", "check_names"]
-
 
 @dataclass(frozen=True)
 class Variable:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-__all__ = ["name_taken_in_hdf5"]
-
 
 def name_taken_in_hdf5(name: str, names: Sequence[str]) -> str | None:
     """Reason for which a sensor cannot have its name in an HDF5 file beside all names, or None."""

@@ -13,8 +13,6 @@ from supple.storage.atomic_write import replacing
 from supple.storage.file_errors import DAMAGE, file_errors
 from supple.storage.file_seal import seal_matches, sealed
 
-__all__ = ["is_whole", "open_sealed", "writing_sealed"]
-
 
 @contextmanager
 def writing_sealed(path: Path) -> Iterator[h5py.File]:

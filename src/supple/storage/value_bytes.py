@@ -10,8 +10,6 @@ from supple.fem import FiniteElementModel
 from supple.storage.run_inputs import digest_of
 from supple.value_content import content_of
 
-__all__ = ["bytes_of", "digest_of_parts"]
-
 
 def digest_of_parts(parts: Iterable[bytes]) -> str:
     """A digest of parts, each with its length, so that different lists of parts have different digests."""

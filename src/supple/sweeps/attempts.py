@@ -11,8 +11,6 @@ from pathlib import Path
 from supple.errors import MemoryShortageError, MissingPackageError, ResultFileError
 from supple.storage.file_errors import file_errors
 
-__all__ = ["NOT_OF_A_CASE", "Attempts"]
-
 NOT_OF_A_CASE = (MemoryShortageError, MissingPackageError, ResultFileError)
 """Errors of the computer or the disk; not recorded for the cases, because a later attempt may succeed."""
 

@@ -15,8 +15,6 @@ from supple.cases.parameter_path import number_at, parameter_path
 from supple.errors import CaseError
 from supple.importers.toml import KeyPath, Raw
 
-__all__ = ["DAMPING_NUMBERS", "PLACING", "is_number_of_run", "number_of_run"]
-
 _FORCES = ("load", "joint", "spring", "element", "gravity", "tie")
 PLACING = ("position", "rotation", "velocity", "centre_velocity", "angular_velocity")
 DAMPING_NUMBERS = ("alpha", "beta", "ratio")

@@ -26,8 +26,6 @@ from supple.error.correction_rounds import SelfCorrection
 from supple.error.equation import ErrorSpace, MotionColumns
 from supple.storage.sealed_hdf5 import open_sealed, writing_sealed
 
-__all__ = ["Certificate", "EstimatedError", "Representative", "read_certificate", "write_certificate"]
-
 NOTHING = 1e-9
 """Ratio of basis error to largest displacement up to which the error is negligible for the effectivity."""
 

@@ -6,9 +6,6 @@ import numpy as np
 
 from supple.arrays import FloatArray
 
-__all__ = ["STATISTICS", "channel_statistics"]
-
-
 STATISTICS = ("mean", "minimum", "maximum", "standard deviation", "time of minimum", "time of maximum")
 """Names of the statistics, in the order of `channel_statistics`; the last two are in the unit of time."""
 

@@ -43,8 +43,6 @@ from supple.sweeps.certificate import Certificate, Representative
 from supple.sweeps.plan import MARCHED_AT_ONCE, SweepPlan
 from supple.sweeps.swept_group import SweptCase, SweptGroup, TrainingRuns
 
-__all__ = ["certify", "indicated", "training_cases"]
-
 FEWEST, MOST, MOST_EXCEEDING = 2, 3, 6
 """Smallest and largest number of representative cases of a group, and the largest number if estimates exceed
 allowed errors: a full estimate costs less than a needless enrichment."""

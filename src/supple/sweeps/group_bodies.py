@@ -30,8 +30,6 @@ from supple.storage.run_inputs import digest_of
 from supple.storage.sealed_hdf5 import is_whole
 from supple.sweeps.body_numbers import PLACING
 
-__all__ = ["GroupBodies", "bodies_of_group"]
-
 FORMAT = 1
 """Version of stored reductions; other versions are not read."""
 _RECORD = "reductions.json"

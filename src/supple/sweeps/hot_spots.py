@@ -23,8 +23,6 @@ from supple.quantities.tensor_modes import TensorModes
 from supple.reduction import ReducedBody
 from supple.sweeps.group_bodies import is_reduced_here
 
-__all__ = ["HotSpot", "check_hot_spots", "damage_of_hot_spots"]
-
 MOST_NODES = 1000
 """Largest number of nodes of a hot spot; each is a channel of every case."""
 

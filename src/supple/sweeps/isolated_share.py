@@ -15,8 +15,6 @@ from supple.sweeps.fatigue_loads import summed_spectra
 from supple.sweeps.part_file import CaseRecord, CaseStatus, Part, read_part
 from supple.sweeps.plan import read_plan
 
-__all__ = ["isolated_share"]
-
 TRIES = 2
 """Number of processes that a single case may kill before it is recorded."""
 _REFUSED = 3

@@ -27,8 +27,6 @@ from supple.reduction import ReducedBody
 from supple.simulation.stored_basis import stored_bases
 from supple.sweeps.swept_group import SweptGroup, TrainingRuns
 
-__all__ = ["principal_directions", "with_principal_bases"]
-
 Bounds = dict[str, list[tuple[float, float]]]
 """Allowed error and largest displacement in each case, by body."""
 

@@ -12,8 +12,6 @@ from supple.fatigue import Lifetime, Weibull, lifetime_of_cases
 from supple.importers.toml import CheckedTable, Positive
 from supple.sweeps.case_table import CaseTable
 
-__all__ = ["LifetimeOfCases"]
-
 
 class WindSpeeds(table_of(Weibull)):
     """Table of the Weibull distribution of the wind speeds."""

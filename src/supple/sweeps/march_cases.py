@@ -28,8 +28,6 @@ from supple.sweeps.part_file import CaseRecord, CaseStatus, Channels
 from supple.sweeps.plan import MARCHED_AT_ONCE
 from supple.sweeps.swept_group import SweptCase, SweptGroup
 
-__all__ = ["march_cases"]
-
 MOST_AT_ONCE = 64
 """Largest number of cases whose motions are in memory at a time."""
 NUMBERS_AT_ONCE = 2**26

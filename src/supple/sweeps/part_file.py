@@ -30,8 +30,6 @@ from supple.errors import ResultFileError
 from supple.storage.sealed_hdf5 import is_whole, open_sealed, writing_sealed
 from supple.sweeps.channel_statistics import STATISTICS
 
-__all__ = ["CaseRecord", "CaseStatus", "Channels", "Part", "part_path", "read_part", "write_part"]
-
 FORMAT, VERSION = "supple-sweep-part", 1
 
 

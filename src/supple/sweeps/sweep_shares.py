@@ -17,8 +17,6 @@ from supple.storage.sealed_hdf5 import open_sealed
 from supple.sweeps.part_file import CaseStatus, part_path, whole_parts
 from supple.sweeps.plan import SweepPlan
 
-__all__ = ["MOST_LEVELS", "SweepShares", "largest_ratio", "sweep_shares"]
-
 MOST_LEVELS = 2
 """Largest number of repeated runs of a case."""
 

@@ -24,8 +24,6 @@ from supple.errors import ResolutionWarning
 from supple.integrate import FixedStep, FloatingMotion, Run, Solution
 from supple.machine import System
 
-__all__ = ["UnresolvedVibration", "hidden_vibration", "report_output_rate"]
-
 SHARE = 0.1
 """Smallest reported root mean square of a vibration, relative to that of the motion about its mean."""
 NEGLIGIBLE = 1e-6

@@ -14,8 +14,6 @@ from supple.machine import Constant, System, TimeLaw
 from supple.machine.laws.instants import KnownLaw, instants_of_law, shortest_scale_of
 from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, law_samples
 
-__all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
-
 SPEED, ACCELERATION = 1e-6, 1e-3
 """Smallest reported jumps. SPEED is the smallest jump of the motion, relative to its range, and of the speed,
 relative to the largest speed. ACCELERATION is that of the acceleration, relative to the largest one."""

@@ -9,8 +9,6 @@ from supple.equations.start_change import ConstraintViolation, StartChange, Velo
 from supple.errors import StartWarning
 from supple.integrate import Validity
 
-__all__ = ["report_start"]
-
 MOST_NAMES = 3
 """Largest number of bodies or joints in a message."""
 ROUNDING = 1e-9

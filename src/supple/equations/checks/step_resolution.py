@@ -23,15 +23,6 @@ from supple.machine import Constant, System, TimeLaw
 from supple.machine.laws.instants import instants_of_law, shortest_scale_of, uneven_times
 from supple.machine.laws.sampled_law import MOST_NUMBERS, law_samples
 
-__all__ = [
-    "UnresolvedShare",
-    "fixed_step",
-    "jumps_in_steps",
-    "missed_between_steps",
-    "report_step_length",
-    "warn_of_missed_loads",
-]
-
 MISSED = 0.2
 """Largest error within a step without a warning, relative to the largest load; a sine of five steps a period
 has this error."""

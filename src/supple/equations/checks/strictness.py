@@ -7,8 +7,6 @@ import warnings
 from supple.errors import SuppleWarning, ValidityError
 from supple.integrate import Validity
 
-__all__ = ["warn_or_raise"]
-
 
 def warn_or_raise(message: str, category: type[SuppleWarning], validity: Validity) -> None:
     """Warn; in a strict run raise ValidityError instead."""

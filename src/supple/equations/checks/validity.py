@@ -27,8 +27,6 @@ from supple.integrate import FramedMotion, Solution, Validity
 from supple.machine import At, ForceElement
 from supple.machine.system import System
 
-__all__ = ["Peaks", "ValidityMonitor", "is_rotor", "watch"]
-
 SOFTENED_LIMIT = 0.01
 """Estimated relative error of a deflection due to averaging interfaces, from which a warning is given."""
 

@@ -21,20 +21,6 @@ from supple.error.equation.products_of_run import (
 from supple.fem import StrainWorks
 from supple.other_processes import in_threads
 
-__all__ = [
-    "PROVEN",
-    "ForcePolynomial",
-    "StrainRateHistory",
-    "StrainRatePolynomial",
-    "TangentHistory",
-    "force_polynomial",
-    "strain_rate_history",
-    "strain_rate_polynomial",
-    "tangent_history",
-    "unit_stiffness",
-]
-
-
 SMALLEST_MONOMIAL = 1e-6
 """Pivot of the monomials, relative to the largest pivot, below which no sample time is added. For strips with
 large bending, a limit ten times as large changes error estimates by 0.2 %. A limit a thousand times as large

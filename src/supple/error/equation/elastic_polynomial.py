@@ -24,8 +24,6 @@ from supple.error.equation.elastic_history import force_polynomial, strain_rate_
 from supple.fem import StrainWorks
 from supple.reduction.tensors import StrainProducts, unpack_symmetric
 
-__all__ = ["ElasticPolynomial", "works_on_themselves"]
-
 
 def works_on_themselves(products: StrainProducts) -> StrainWorks:
     """The strain works of k columns on themselves, from the inner products of their strains.

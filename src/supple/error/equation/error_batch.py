@@ -23,8 +23,6 @@ from supple.integrate import Coefficients
 from supple.methods.floating.compiled.batch_start import Axes, differing, stacked
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["first_together"]
-
 AT_ONCE = 64
 
 

@@ -13,9 +13,6 @@ from supple.body.damping import damping_matrix
 from supple.machine import Placed, System
 from supple.reduction import ReducedBody, ReducedInterface, ReductionReport, filled_up
 
-__all__ = ["body_of_columns", "padded_size", "system_of_columns"]
-
-
 MULTIPLE = 32
 MOST_DOUBLED = 128
 BRIEF = 5000

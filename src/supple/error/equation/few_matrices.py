@@ -13,9 +13,6 @@ import numpy as np
 
 from supple.arrays import FloatArray
 
-__all__ = ["FewMatrices", "few_matrices"]
-
-
 ROUND_OFF = 1e-14
 """Ratio to the largest eigenvalue of the Gram matrix below which an eigenvalue is round-off."""
 

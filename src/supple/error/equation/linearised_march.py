@@ -44,8 +44,6 @@ from supple.integrate import Coefficients, StepFactors, StepRule
 from supple.methods.floating.compiled.elimination import solve_bordering_column
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["ElasticGain", "ErrorState", "GainHistory", "StepOfRun", "first_error", "march_error"]
-
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)

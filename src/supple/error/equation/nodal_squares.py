@@ -9,8 +9,6 @@ import numpy as np
 from supple.arrays import FloatArray
 from supple.body.rigid_motion import cross_of_axes
 
-__all__ = ["NodalSquares", "nodal_squares"]
-
 
 class NodalSquares(NamedTuple):
     """Gram matrix over the nodes, with weight 1/N, of the fields `(1, e_i x X, e_i x V_j, Z)`.

@@ -8,9 +8,6 @@ from scipy import linalg
 
 from supple.arrays import FloatArray
 
-__all__ = ["few_instants", "monomials", "pair_products", "rate_monomials", "weights_of_instants"]
-
-
 CANDIDATES = 400
 """Number of candidate times."""
 

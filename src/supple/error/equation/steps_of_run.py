@@ -12,9 +12,6 @@ from supple.arrays import FloatArray
 from supple.equations.configuration import SystemMotion
 from supple.error.equation.linearised_march import GainHistory, StepOfRun
 
-__all__ = ["blocks_of_run", "rotation_vectors", "rotations", "standing"]
-
-
 STEPS_AT_ONCE = 64
 
 

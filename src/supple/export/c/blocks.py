@@ -11,8 +11,6 @@ import numpy as np
 from supple.export.c.separate_functions import LONGEST, TOKEN, SeparateFunctions, runs_of_statements
 from supple.export.c.values import Buffer, BufferView, Index, UniformValue, Value, c_type, literal, row_major
 
-__all__ = ["CodeBlock", "Constants"]
-
 _UNROLLED = 4
 """Largest number of elements for which a loop is unrolled."""
 

@@ -12,8 +12,6 @@ from supple.export.c.operations import ArrayOperation, Program, program_of
 from supple.export.c.printer import Shapes, Values, constants_in, print_block, rule
 from supple.export.c.values import BufferView, UniformValue, Value
 
-__all__ = ["hand_on"]
-
 
 def _carried(block: CodeBlock, body: Program, n_before: int, first: Values) -> tuple[list[Value], list[bool]]:
     """The values that a loop carries, stored with their first values, and whether the loop changes each."""

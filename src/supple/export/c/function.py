@@ -18,8 +18,6 @@ from supple.export.c.printer import Printed, print_program
 from supple.export.c.separate_functions import SeparateFunctions
 from supple.export.c.values import Buffer, BufferView, Value, c_type, row_major
 
-__all__ = ["HEAD", "function_source", "named_view", "printed_function"]
-
 _FAMILIES = (array_reductions, branches, elementwise, indexing, linear_algebra, shapes)
 """Modules whose import registers the rules."""
 

@@ -21,8 +21,6 @@ from supple.stepping import StepProgram, StepState
 from supple.stepping.variables import Variable
 from supple.storage.atomic_write import replacing
 
-__all__ = ["derivative_source", "machine_sources", "sensor_sizes", "write_machine"]
-
 _RECORDED = 20
 """Number of times at which the test compares outputs."""
 _STEPS = 200

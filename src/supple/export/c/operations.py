@@ -14,8 +14,6 @@ from numpy.typing import ArrayLike
 
 from supple.equations.compiler_options import STARTING
 
-__all__ = ["ArrayOperation", "Atom", "Program", "program_of", "with_known"]
-
 _CALLS = {
     "jit": "jaxpr",
     "pjit": "jaxpr",

@@ -15,8 +15,6 @@ from supple.export.c.operations import ArrayOperation, Atom, Program, with_known
 from supple.export.c.separate_functions import SeparateFunctions
 from supple.export.c.values import BufferView, Computed, UniformValue, Value
 
-__all__ = ["RULES", "Printed", "Shapes", "Values", "constants_in", "print_block", "print_program", "rule"]
-
 Values = Sequence[Value]
 Shapes = Sequence[jax.ShapeDtypeStruct]
 Rule = Callable[[CodeBlock, ArrayOperation, Values, Shapes], Values]

@@ -11,8 +11,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-__all__ = ["LONGEST", "TOKEN", "SeparateFunctions", "runs_of_statements"]
-
 LONGEST = 3000
 """Largest number of lines of a block that is not divided."""
 _LINES = 300

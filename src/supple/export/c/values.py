@@ -10,8 +10,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import DTypeLike
 
-__all__ = ["Buffer", "BufferView", "Computed", "UniformValue", "Value", "c_type", "literal", "row_major"]
-
 Index = Sequence[str]
 """One C expression per axis; "0" where the axis has one entry."""
 

@@ -12,8 +12,6 @@ from supple.export.linear.linear_form import LinearForm
 from supple.stepping import StepProgram
 from supple.stepping.variables import Variable
 
-__all__ = ["IDENTIFIER", "FmuInterface", "build_description", "model_description_2", "model_description_3"]
-
 IDENTIFIER = "machine"
 """Model identifier: the file name of the binaries."""
 

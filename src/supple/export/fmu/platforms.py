@@ -13,8 +13,6 @@ from types import MappingProxyType
 
 from supple.errors import ModelError
 
-__all__ = ["EVERY_PLATFORM", "PLATFORMS", "Compiler", "Platform", "compilers_of"]
-
 
 @dataclass(frozen=True)
 class Platform:

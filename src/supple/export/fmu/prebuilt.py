@@ -12,8 +12,6 @@ from importlib import resources
 
 from supple.export.fmu.platforms import EVERY_PLATFORM, Platform
 
-__all__ = ["FOLDER", "prebuilt_libraries", "prebuilt_path"]
-
 FOLDER = resources.files("supple.export.fmu").joinpath("prebuilt")
 
 

@@ -29,8 +29,6 @@ from supple.export.linear.linear_form import LinearForm
 from supple.stepping import StepProgram
 from supple.storage.atomic_write import replacing
 
-__all__ = ["compile_library", "linear_sources", "write_fmu", "write_linear_fmu"]
-
 _WRAPPERS = {2: "fmi2.c", 3: "fmi3.c"}
 
 

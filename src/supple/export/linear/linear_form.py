@@ -25,8 +25,6 @@ from supple.stepping.sensed_outputs import SensedOutputs, sensed_outputs
 from supple.stepping.variables import Variable, check_names
 from supple.units import UNNAMED, UnitSystem
 
-__all__ = ["LinearForm", "linear_form"]
-
 Array = np.ndarray
 _SMALL = 0.1
 """Largest relative difference of linear and nonlinear accelerations at the start; above it, ModelError."""

@@ -20,8 +20,6 @@ from supple.machine.laws.instants import uneven_times
 from supple.stepping.external_inputs import ExternalInputs
 from supple.stepping.sensed_outputs import SensedOutputs
 
-__all__ = ["MotionChanges", "SmallMotions", "small_motions", "varies_in_time"]
-
 Array = np.ndarray
 _INSTANTS = 101
 """Number of times at which loads are compared."""

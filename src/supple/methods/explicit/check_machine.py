@@ -23,8 +23,6 @@ from supple.methods.explicit.method import Explicit
 from supple.methods.explicit.modal_subdomain import ModalSubdomain
 from supple.methods.explicit.projected_difference import ProjectedDifference
 
-__all__ = ["check_explicit_run", "check_machine", "check_spin_stiffness"]
-
 
 def check_spin_stiffness(system: System) -> None:
     """Raise ModelError for modal parts with a centrifugal stiffness, which statics and modes neglect."""

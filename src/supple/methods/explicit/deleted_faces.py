@@ -18,8 +18,6 @@ from supple.methods.explicit.explicit_shell import ExplicitShell
 from supple.methods.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.methods.explicit.motions import NodalMotion
 
-__all__ = ["DeletionWatch", "deletion_watch"]
-
 
 @dataclass(frozen=True, eq=False)
 class DeletionWatch:

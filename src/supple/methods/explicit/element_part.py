@@ -24,9 +24,6 @@ from supple.methods.explicit.materials import Law
 from supple.methods.explicit.motions import NodalMotion
 from supple.methods.explicit.node_set import NodeSet, node_sets
 
-__all__ = ["ElementPart", "check_law", "refuse_beside_elements"]
-
-
 SHEAR = 0.01
 """Largest relative difference, due to rounded constants, of a stated shear modulus from E / (2 (1 + nu))."""
 

@@ -28,16 +28,6 @@ from supple.methods.explicit.frame_moments import arms
 from supple.methods.explicit.frame_points import CORNERS
 from supple.methods.explicit.modal_frame import ModalFrame
 
-__all__ = [
-    "FrameChart",
-    "configuration",
-    "floating_motion",
-    "frame_chart",
-    "on_points",
-    "placed_state",
-    "velocity",
-]
-
 
 class FrameChart(NamedTuple):
     """Constants of one frame.

@@ -12,22 +12,6 @@ from supple.methods.explicit.frame_moments import Moments, Spread, arms, spread
 from supple.methods.explicit.frame_points import CORNERS, LINKS
 from supple.methods.explicit.spin_stiffness import spin_products
 
-__all__ = [
-    "FrameModel",
-    "FrameState",
-    "Generalized",
-    "StepLengths",
-    "elastic_force",
-    "gravity_force",
-    "link_residual",
-    "link_rows",
-    "link_vectors",
-    "point_forces",
-    "spin_force",
-    "step_kinetic_energy",
-]
-
-
 # NumPy, not JAX: a process that has only imported this module may still fork.
 _SIGNS = np.eye(4)[LINKS[:, 0]] - np.eye(4)[LINKS[:, 1]]
 

@@ -18,8 +18,6 @@ from supple.algebra import jax_settings  # noqa: F401 - 64-bit floats, before th
 from supple.methods.explicit.frame_points import CORNERS
 from supple.methods.explicit.mass_fields import MassFields
 
-__all__ = ["Moments", "Spread", "arms", "moments", "spread"]
-
 
 class Moments(NamedTuple):
     """Constant sums of a sub-domain of k modes.

@@ -9,9 +9,6 @@ import numpy as np
 from supple.arrays import FloatArray
 from supple.errors import ModelError
 
-__all__ = ["CORNERS", "LINKS", "FramePoints"]
-
-
 CORNERS = np.vstack([-np.ones((1, 3)), np.eye(3)])
 """(4, 3): a point at local X has weights (1 - X - Y - Z, X, Y, Z) = e_O + CORNERS X."""
 LINKS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])

@@ -16,8 +16,6 @@ import jax.numpy as jnp
 from jax import lax
 from jax.core import Tracer
 
-__all__ = ["fusion_barrier"]
-
 Given = TypeVar("Given")
 Found = TypeVar("Found")
 

@@ -22,8 +22,6 @@ from supple.body.rigid_motion import cross_of_axes
 from supple.errors import ModelError
 from supple.methods.explicit.frame_points import CORNERS, FramePoints
 
-__all__ = ["MassFields", "mass_fields"]
-
 
 @dataclass(frozen=True, eq=False)
 class MassFields:

@@ -24,8 +24,6 @@ from supple.methods.explicit.step_limit import (
     true_limit,
 )
 
-__all__ = ["ModalFrame", "modal_frame"]
-
 
 @dataclass(frozen=True, eq=False)
 class ModalFrame:

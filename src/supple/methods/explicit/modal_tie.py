@@ -20,8 +20,6 @@ from supple.methods.explicit.frame_model import FrameState, Generalized
 from supple.methods.explicit.frame_moments import arms
 from supple.methods.explicit.frame_points import CORNERS
 
-__all__ = ["ModalTie", "TiedSide", "tied_gap", "tied_rates", "tied_rows"]
-
 
 class TiedSide(NamedTuple):
     """One part of a tie.

@@ -14,8 +14,6 @@ from supple.body.interface import UntiedInterface
 from supple.body.point_motion import InterfaceMotion, NodeMotion
 from supple.body.rigid_motion import averaged_motion
 
-__all__ = ["NodeSet", "node_sets"]
-
 
 @dataclass(frozen=True, eq=False)
 class NodeSet(UntiedInterface):

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import Solution, Validity
 
-__all__ = ["Peak", "PeakWatch"]
-
 Peak = tuple[float, float, int]
 """Largest value of a body, its time, and the number of its node or cell."""
 

@@ -7,8 +7,6 @@ import numpy as np
 from supple.importers.radioss import FlexibleBodyFile
 from supple.methods.explicit.modal_subdomain import ModalSubdomain
 
-__all__ = ["flexible_body_file"]
-
 
 def flexible_body_file(body: ModalSubdomain) -> FlexibleBodyFile:
     """Frame modes, local modes, and the constant matrices of [Radioss] (23)-(25), in the axes of the mesh.

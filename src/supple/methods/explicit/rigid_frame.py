@@ -14,8 +14,6 @@ from supple.body import RigidBody
 from supple.methods.explicit.frame_moments import Moments
 from supple.methods.explicit.frame_points import CORNERS, FramePoints
 
-__all__ = ["RigidFrame"]
-
 
 @dataclass(frozen=True, eq=False)
 class RigidFrame:

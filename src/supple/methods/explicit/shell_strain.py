@@ -14,9 +14,6 @@ from supple.methods.explicit.explicit_shell import ExplicitShell
 from supple.methods.explicit.motions import NodalMotion
 from supple.methods.explicit.peak_watch import Peak, PeakWatch
 
-__all__ = ["ShellStrainWatch", "shell_strain_watch"]
-
-
 LARGEST = 0.2
 """Largest plastic strain. At it, engineering strain and logarithmic strain differ by 10 %."""
 

@@ -7,8 +7,6 @@ import numpy as np
 from supple.arrays import FloatArray
 from supple.machine import Placed
 
-__all__ = ["rigid_velocities", "undeformed"]
-
 
 def undeformed(placed: Placed) -> FloatArray:
     """Positions (N, 3) in space of its undeformed nodes."""

@@ -20,8 +20,6 @@ from supple.errors import ModelError
 from supple.methods.explicit.frame_moments import Moments
 from supple.methods.explicit.frame_points import FramePoints
 
-__all__ = ["damped_limit", "free_modal_mass", "local_limit", "mass_of_motions", "true_limit"]
-
 
 def local_limit(moments: Moments, arm: float, stiffness: FloatArray) -> float:
     """Limit (27) of the modes alone, s; stiffness (k, k)."""

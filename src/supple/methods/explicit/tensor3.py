@@ -12,21 +12,6 @@ from collections.abc import Callable
 import jax.numpy as jnp
 from jax import Array
 
-__all__ = [
-    "Tensor",
-    "added",
-    "as_array",
-    "cofactor",
-    "determinant",
-    "deviator",
-    "double_dot",
-    "product",
-    "scaled",
-    "symmetric_part",
-    "tensor",
-    "transposed",
-]
-
 Tensor = tuple[tuple[Array, Array, Array], tuple[Array, Array, Array], tuple[Array, Array, Array]]
 
 

@@ -16,8 +16,6 @@ from supple.methods.explicit.materials import J2Plasticity
 from supple.methods.explicit.modal_subdomain import ModalSubdomain
 from supple.methods.explicit.peak_watch import Peak, PeakWatch
 
-__all__ = ["YieldWatch", "yield_watch"]
-
 
 @dataclass(frozen=True, eq=False)
 class _Limit:

@@ -31,9 +31,6 @@ from supple.methods.intrinsic.released import released
 from supple.methods.intrinsic.supported_root import is_joined
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["CompleteMotion", "complete_motion", "intrinsic_of", "joined_instants", "states_of", "with_modes"]
-
-
 TOLERANCE = 1e-8
 """Relative residual at which the iteration ends: its norm over the norm of frequencies times amplitudes."""
 MOST_ITERATIONS = 12

@@ -13,8 +13,6 @@ import numpy as np
 from supple.methods.intrinsic.line_model import LineModel
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["EqualLines", "for_each_line"]
-
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)

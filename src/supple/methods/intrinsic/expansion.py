@@ -11,9 +11,6 @@ from supple.algebra import read_only
 from supple.arrays import FloatArray
 from supple.methods.intrinsic.load_path_tree import LoadPathTree
 
-__all__ = ["Expansion", "carried_by_stations", "expansion_of_stations", "shares_of_stations"]
-
-
 AT_ONCE = 2**22
 """Largest number of components of vectors from segments to points in memory at a time."""
 

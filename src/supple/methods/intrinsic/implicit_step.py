@@ -10,8 +10,6 @@ import jax.numpy as jnp
 
 from supple.arrays import AnyArray
 
-__all__ = ["StepResult", "Tangent", "first_order_coefficients", "first_tangent", "implicit_step"]
-
 ROUNDING = 1e-14
 """Rounding error of a rate, relative to its terms."""
 SLOW = 0.1

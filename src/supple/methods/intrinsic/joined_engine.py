@@ -31,8 +31,6 @@ from supple.methods.intrinsic.machine_of_lines import line_motion
 from supple.methods.intrinsic.stable_step import with_chosen_step
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["ITERATED", "JoinedEngine", "joined_solution"]
-
 ITERATED = 1e-4
 """Tolerance of implicit steps relative to that of the run, so that only the rule affects the energy."""
 QUICK = 100_000

@@ -41,21 +41,6 @@ from supple.methods.intrinsic.line_equations import (
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import States, root_rates, system_wrenches
 
-__all__ = [
-    "JoinedInstant",
-    "JoinedRates",
-    "all_velocities",
-    "coupled_forces",
-    "coupled_wrenches",
-    "motion_residuals",
-    "moved_instant",
-    "on_amplitudes",
-    "residuals_of_joints",
-    "seen_motion",
-    "shape_rates",
-    "station_twists",
-]
-
 
 class JoinedInstant(NamedTuple):
     """Positions and velocities of the machine.

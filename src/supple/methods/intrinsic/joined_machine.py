@@ -42,18 +42,6 @@ from supple.methods.intrinsic.machine_of_lines import line_start, machine_of_lin
 from supple.methods.intrinsic.station_loads import StationLoad, machine_loads
 from supple.methods.intrinsic.strain_integration import StationPlaces, rotation_of, station_places
 
-__all__ = [
-    "JoinedArrays",
-    "JoinedMachine",
-    "coupled_places",
-    "joined_machine",
-    "lines_as_stations",
-    "seen_element",
-    "seen_end",
-    "supported_machine",
-    "with_stations",
-]
-
 STATIC = {"static": True}
 E = TypeVar("E", bound=Joint | ForceElement)
 C = TypeVar("C", bound=Controller | SampledController)

@@ -42,14 +42,6 @@ from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.machine_of_lines import amplitudes_of, frame_to_root, rigid_motion
 from supple.programs.program_cache import CachedProgram
 
-__all__ = [
-    "ClosedMachine",
-    "closed_machine",
-    "instant_rates",
-    "joined_start",
-    "velocity_metric",
-]
-
 OPEN = 1e-6
 """Largest residual of a joint as placed, a length relative to the machine's size or an angle in rad."""
 

@@ -30,8 +30,6 @@ from supple.methods.intrinsic.joined_equations import (
 )
 from supple.methods.intrinsic.joined_machine import JoinedArrays
 
-__all__ = ["JoinedState", "JoinedStepping", "joined_step"]
-
 
 class JoinedStepping(NamedTuple):
     """Step rule, tolerances on relative residuals, and largest number of iterations of a step.

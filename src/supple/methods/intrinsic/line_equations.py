@@ -24,23 +24,6 @@ import jax.numpy as jnp
 from supple.arrays import AnyArray
 from supple.methods.intrinsic.line_model import LineModel
 
-__all__ = [
-    "RootTwist",
-    "decay_rates",
-    "force_rates",
-    "l1",
-    "l2",
-    "line_forces",
-    "line_rates",
-    "momenta",
-    "on_ends",
-    "on_stations",
-    "section_strains",
-    "station_velocities",
-    "turning_forces",
-    "viscous_forces",
-]
-
 
 class RootTwist(NamedTuple):
     """Prescribed motion of the root in its own axes: velocity and angular velocity (6,), and their rates."""

@@ -22,8 +22,6 @@ from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.root_support import RootSupport
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["LineFreedoms", "line_freedoms"]
-
 
 @dataclass(frozen=True, eq=False)
 class LineFreedoms:

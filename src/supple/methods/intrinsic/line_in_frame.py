@@ -46,8 +46,6 @@ from supple.methods.intrinsic.station_loads import MovingStations, StationLoad, 
 from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["LineInFrame", "lines_in_frames"]
-
 Array = np.ndarray
 STATIC = {"static": True}
 

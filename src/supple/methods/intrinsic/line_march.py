@@ -27,19 +27,6 @@ from supple.methods.intrinsic.implicit_step import (
 from supple.methods.intrinsic.line_system import LineSystem, States, system_rates, system_slope
 from supple.programs.program_cache import CachedProgram
 
-__all__ = [
-    "LineMarchState",
-    "LineRule",
-    "Stepping",
-    "compiled_march",
-    "first_march_state",
-    "full_leg",
-    "march_lines",
-    "n_good",
-    "runge_kutta_step",
-    "slaved",
-]
-
 S = TypeVar("S")
 
 LineRule = RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha

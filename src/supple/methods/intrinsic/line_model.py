@@ -14,8 +14,6 @@ from supple.body.damping import refuse_relative_damping
 from supple.errors import ModelError
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes
 
-__all__ = ["LineModel", "LineState", "line_model"]
-
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)

@@ -44,8 +44,6 @@ from supple.methods.intrinsic.machine_of_lines import MachineOfLines
 from supple.methods.intrinsic.strain_integration import rotation_of
 from supple.methods.intrinsic.supported_root import is_joined, supported_root
 
-__all__ = ["LineStatics", "line_statics"]
-
 SAME_AXIS = 1e-9
 """Largest part of a root twist that the root support excludes, relative to the twist; more is an error."""
 

@@ -52,8 +52,6 @@ from supple.methods.intrinsic.line_system import system_wrenches
 from supple.methods.intrinsic.strain_integration import rotation_of
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["LineSmallMotions", "Unbalanced", "moved_by", "small_motions", "steady", "unbalanced_at"]
-
 
 class Unbalanced(NamedTuple):
     """Residual of a steady motion, and its terms.

@@ -34,19 +34,6 @@ from supple.methods.intrinsic.station_loads import MovingStations, StationLoad
 from supple.methods.intrinsic.strain_integration import StationPlaces, rotation_of, station_places
 from supple.programs.program_cache import CachedProgram
 
-__all__ = [
-    "LineSystem",
-    "RootDrive",
-    "States",
-    "places_of",
-    "reactions",
-    "root_rates",
-    "system_rates",
-    "system_slope",
-    "system_wrenches",
-    "wrenches_on",
-]
-
 States = tuple[LineState, ...]
 """States, one for each line."""
 

@@ -15,9 +15,6 @@ from supple.mesh import CellType
 from supple.methods.intrinsic.expansion import shares_of_stations
 from supple.methods.intrinsic.load_path_tree import LoadPathTree
 
-__all__ = ["arm_terms", "first_moments", "lumped_inertia", "with_shorter_arms"]
-
-
 LARGEST = 0.45
 """Largest fraction by which arms are shortened; one half would leave beams without rotary inertia."""
 SAFETY = 0.9

@@ -27,17 +27,6 @@ from supple.methods.intrinsic.strain_integration import rotation_of, station_pla
 from supple.methods.intrinsic.supported_root import SupportedRoot, is_joined, supported_root
 from supple.programs.program_cache import CachedProgram
 
-__all__ = [
-    "MachineOfLines",
-    "amplitudes_of",
-    "frame_to_root",
-    "line_motion",
-    "line_start",
-    "machine_of_lines",
-    "placed_at_instant",
-    "rigid_motion",
-]
-
 Array = np.ndarray
 
 _quaternion = CachedProgram(euler_parameters)

@@ -24,8 +24,6 @@ from supple.methods.intrinsic.line_system import LineSystem, States, root_rates,
 from supple.methods.intrinsic.station_loads import MovingStations
 from supple.methods.intrinsic.strain_integration import rotation_of, station_places
 
-__all__ = ["march_of_cases"]
-
 Axes: TypeAlias = tuple[int | None, ...]
 """For each leaf of a system: 0 where the cases differ, None where they share it."""
 

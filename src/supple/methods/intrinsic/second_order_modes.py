@@ -18,9 +18,6 @@ from supple.algebra import read_only
 from supple.arrays import FloatArray
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes, checked_modes
 
-__all__ = ["completed_modes", "second_order_shapes", "with_static_shapes"]
-
-
 SMALLEST = 1e-3
 """Smallest second-order motion relative to the largest; smaller ones are omitted."""
 SMALLEST_STRAIN = 1e-3

@@ -34,17 +34,6 @@ from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.strain_integration import StationPlaces
 from supple.value_content import fixed_function
 
-__all__ = [
-    "End",
-    "Follower",
-    "Gravity",
-    "MovingStations",
-    "SpreadLoad",
-    "StationElement",
-    "StationLoad",
-    "machine_loads",
-]
-
 STATIC = {"static": True}
 
 

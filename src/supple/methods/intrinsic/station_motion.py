@@ -18,8 +18,6 @@ from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["StationMotion", "driven_twists", "station_motion"]
-
 
 class StationMotion(NamedTuple):
     """Stations over time, and their first and second derivatives.

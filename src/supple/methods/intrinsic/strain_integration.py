@@ -11,8 +11,6 @@ from supple.algebra.rotation import angle_quotients
 from supple.methods.intrinsic.line_equations import section_strains
 from supple.methods.intrinsic.line_model import LineModel
 
-__all__ = ["StationPlaces", "rotation_of", "station_places"]
-
 
 class StationPlaces(NamedTuple):
     """Rotations and positions of stations.

@@ -25,8 +25,6 @@ from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.line_system import RootDrive
 from supple.methods.intrinsic.root_support import BALL, CLAMPED, FREE, RootSupport
 
-__all__ = ["SupportedRoot", "is_joined", "joints_of", "supported_root"]
-
 SAME = 1e-9
 """Largest difference of the projections on free twists for which two supports are equal."""
 

@@ -44,8 +44,6 @@ from supple.methods.explicit.method import Explicit
 from supple.methods.explicit.modal_frame import ModalFrame
 from supple.methods.explicit.start_motion import rigid_velocities, undeformed
 
-__all__ = ["Built", "built"]
-
 
 @dataclass(frozen=True, eq=False)
 class Built:

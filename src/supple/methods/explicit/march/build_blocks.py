@@ -17,8 +17,6 @@ from supple.methods.explicit.explicit_shell import ExplicitShell, ShellElements
 from supple.methods.explicit.explicit_subdomain import ExplicitSubdomain
 from supple.methods.explicit.march.turning_nodes import Spins, TriadState
 
-__all__ = ["Blocks", "explicit_blocks"]
-
 
 @dataclass(frozen=True, eq=False)
 class Blocks:

@@ -35,8 +35,6 @@ from supple.methods.explicit.modal_subdomain import ModalSubdomain
 from supple.methods.explicit.rigid_frame import RigidFrame
 from supple.methods.explicit.start_motion import undeformed
 
-__all__ = ["Framed", "build_frames"]
-
 
 @dataclass(frozen=True, eq=False)
 class Framed:

@@ -32,9 +32,6 @@ from supple.methods.explicit.published_scheme import PublishedScheme
 from supple.methods.explicit.step_limit import damped_limit
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["JoinedFrames", "joined_frames"]
-
-
 _REDUNDANT = 1e-8
 """Mobility of a constraint with the previous ones closed, divided by its mobility without them, below which
 the constraint is redundant."""

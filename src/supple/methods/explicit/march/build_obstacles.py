@@ -19,8 +19,6 @@ from supple.errors import ModelError
 from supple.machine import Contact, RigidSphere
 from supple.machine.obstacles import Obstacle
 
-__all__ = ["check_outside", "recoil"]
-
 
 def recoil(obstacle: Obstacle, points: FloatArray, stiffness: FloatArray) -> float:
     """B = sum k / m_o, 1/s^2, of the nodes that touch an obstacle at once; zero without a finite mass.

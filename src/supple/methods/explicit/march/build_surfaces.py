@@ -24,8 +24,6 @@ from supple.methods.explicit.march.touching_surface import (
 from supple.methods.explicit.modal_frame import ModalFrame
 from supple.methods.explicit.start_motion import undeformed
 
-__all__ = ["MarchNodes", "TiedNodes", "modal_skins", "touching_surfaces"]
-
 
 @dataclass(frozen=True, eq=False)
 class TiedNodes:

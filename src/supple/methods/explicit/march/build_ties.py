@@ -17,17 +17,6 @@ from supple.methods.explicit.modal_frame import ModalFrame
 from supple.methods.explicit.modal_tie import ModalTie, TiedSide, tied_gap, tied_rates
 from supple.methods.explicit.start_motion import undeformed
 
-__all__ = [
-    "ROUNDED",
-    "check_modal_ties",
-    "check_positions",
-    "check_velocities",
-    "largest_distance",
-    "met_material",
-    "modal_ties",
-]
-
-
 APART = 1e-9
 """Largest initial velocity difference of the nodes of a tie between modal parts, relative to their largest
 speed; a larger difference is an error."""

@@ -11,8 +11,6 @@ from supple.methods.explicit.frame_model import material_points
 from supple.methods.explicit.march.march_model import MarchModel, MarchState
 from supple.methods.explicit.march.touching_surface import projected, pushes
 
-__all__ = ["contact_energy", "march_contact_forces"]
-
 
 def march_contact_forces(model: MarchModel, state: MarchState) -> Array:
     """Force on the nodes of each contact, N, and their mean position weighted by the size of their forces.

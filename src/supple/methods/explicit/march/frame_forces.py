@@ -25,17 +25,6 @@ from supple.methods.explicit.frame_model import FrameState, Generalized
 from supple.methods.explicit.march.march_model import FrameArrays, MarchModel
 from supple.value_content import fixed_function
 
-__all__ = [
-    "FrameForces",
-    "frame_forces",
-    "frame_states",
-    "gravity_at",
-    "joint_gaps",
-    "joint_rows",
-    "stored_energy",
-    "storing_elements",
-]
-
 
 class FrameForces(NamedTuple):
     """Forces on each frame.

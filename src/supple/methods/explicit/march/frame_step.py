@@ -27,8 +27,6 @@ from supple.methods.explicit.projected_difference import ProjectedDifference
 
 T = TypeVar("T")
 
-__all__ = ["FrameStep", "frame_step", "joining_rows", "tied_positions", "tied_velocities"]
-
 
 class FrameStep(NamedTuple):
     """Frames after the step, and works in it, J: internal, damping, external, contact, from nodes, rotation.

@@ -17,8 +17,6 @@ from supple.methods.explicit.march.march_step import kinetic, march_step
 from supple.methods.explicit.spin_stiffness import spinning_step_limit
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "nodes_limit", "recorded"]
-
 DRIFT = 0.01
 """Largest energy lost or created, relative to the largest energy of the run so far; a run stops above it. The
 present energy is no scale: it returns to zero where gravity or servos bring a machine to rest."""

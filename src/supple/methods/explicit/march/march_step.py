@@ -23,8 +23,6 @@ from supple.methods.explicit.march.nodal_forces import explicit_forces
 from supple.methods.explicit.march.turning_nodes import turned
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["begun", "kinetic", "march_step"]
-
 
 def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array, ratio: Array) -> MarchState:
     """The state after one frame step, which is `ratio` element steps of h."""

@@ -13,8 +13,6 @@ from supple.methods.explicit.march.frame_forces import gravity_at
 from supple.methods.explicit.march.march_model import MarchModel, ObstacleState
 from supple.methods.explicit.march.touching_surface import surface_penalty
 
-__all__ = ["AssembledForces", "explicit_forces"]
-
 
 class AssembledForces(NamedTuple):
     """Forces at t_n.

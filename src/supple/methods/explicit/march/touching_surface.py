@@ -28,18 +28,6 @@ from supple.equations.compiler_options import STARTING
 from supple.mesh.facet_curvature import turned_over
 from supple.programs.program_cache import CachedProgram
 
-__all__ = [
-    "Projection",
-    "TouchingSurface",
-    "corner_stiffness",
-    "located",
-    "projected",
-    "pushes",
-    "surface_penalty",
-    "touching_surface",
-]
-
-
 BEYOND = 0.05
 """Largest distance of a node beyond the edge of a face, in area coordinates, for contact with this face."""
 

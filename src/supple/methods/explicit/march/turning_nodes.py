@@ -7,8 +7,6 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-__all__ = ["Spins", "TriadState", "turned"]
-
 
 class Spins(NamedTuple):
     """Constants of r triads.

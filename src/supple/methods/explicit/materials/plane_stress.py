@@ -22,8 +22,6 @@ from jax import Array, lax
 
 from supple.methods.explicit.materials.j2_plasticity import J2Plasticity
 
-__all__ = ["LayerState", "elastic_state", "mises_of", "plane_stress"]
-
 _MOST_PASSES = 60  # largest number of iterations for the multiplier
 _SMALL = 1e-12  # relative correction of the multiplier; the next one would be its square
 

@@ -29,8 +29,6 @@ from supple.methods.floating.compiled.engine import initial_state
 from supple.methods.floating.compiled.state import State
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["Axes", "BatchStart", "batch_start", "differing", "form_of", "stacked"]
-
 _AT_ONCE = 64
 """Number of cases whose forces are evaluated together; a shorter last set is padded to this number."""
 

@@ -27,14 +27,6 @@ import numpy as np
 from supple.arrays import AnyArray
 from supple.equations.machine_model import Model
 
-__all__ = [
-    "Contraction",
-    "is_predictable",
-    "new_contraction",
-    "no_contraction",
-    "predicted_to_converge",
-]
-
 MARGIN = 100.0
 """The prediction must be below the tolerance by this factor."""
 LIKE = 2.0

@@ -21,8 +21,6 @@ from supple.methods.floating.compiled.sensitivity_step import StateChange, state
 from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.time_step import substep
 
-__all__ = ["marched_to"]
-
 Inputs = tuple[Model, State, AnyArray]
 """A model, a state and an end time, or their tangents."""
 

@@ -13,8 +13,6 @@ from typing import Protocol
 import jax
 import jax.numpy as jnp
 
-__all__ = ["ByLapack", "ByLoops", "DenseElimination", "solve_bordering_column"]
-
 
 class DenseElimination(Protocol):
     """Solver of the dense systems in a compiled program."""

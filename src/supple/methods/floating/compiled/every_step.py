@@ -22,8 +22,6 @@ from supple.methods.floating.compiled.programs import ends_before_compiling, pro
 from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.time_step import substep
 
-__all__ = ["EveryStep", "as_outputs", "every_step"]
-
 _STEPS_AT_ONCE = 128
 """Number of steps of a call of the compiled program."""
 _FEWEST_STOPS = 128

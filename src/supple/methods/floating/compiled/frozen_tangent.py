@@ -39,19 +39,6 @@ from supple.methods.floating.compiled.contraction import LIKE, MEASURED_EVERY, i
 from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.step_equations import tree_layout
 
-__all__ = [
-    "SHARE",
-    "SLOWEST",
-    "FrozenInverse",
-    "bodies_inverse",
-    "freezes_tangent",
-    "no_tangent",
-    "predicted_to_suffice",
-    "serves",
-    "solution_by_parts",
-    "used",
-]
-
 SLOWEST = 0.1
 """Ratio of successive residuals above which a frozen tangent is renewed."""
 SHARE = 0.1

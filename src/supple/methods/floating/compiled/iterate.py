@@ -17,8 +17,6 @@ from supple.integrate import StepRule
 from supple.methods.floating.compiled.state import State
 from supple.methods.floating.compiled.step_equations import LinearizedStep
 
-__all__ = ["ReachedState", "Trial", "evaluate", "linearized", "motion_of", "place"]
-
 
 class Trial(NamedTuple):
     """An evaluated iterate within a step."""

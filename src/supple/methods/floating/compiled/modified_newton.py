@@ -31,8 +31,6 @@ from supple.methods.floating.compiled.iterate import Trial, linearized
 from supple.methods.floating.compiled.newton import Assessed, Iteration, Modified
 from supple.methods.floating.compiled.state import State
 
-__all__ = ["modified_pass", "used_in_step"]
-
 _SOON = 2
 """Evaluations of a step after which the whole tolerance suffices: rounding may prevent a smaller residual."""
 

@@ -17,8 +17,6 @@ from supple.methods.floating.compiled.iterate import ReachedState, Trial, linear
 from supple.methods.floating.compiled.state import State
 from supple.methods.floating.compiled.step_equations import correction
 
-__all__ = ["Assessed", "Iteration", "Modified", "newton_pass", "sequential_vmap"]
-
 T = TypeVar("T")
 
 

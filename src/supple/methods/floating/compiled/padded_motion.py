@@ -11,8 +11,6 @@ from supple.integrate import FloatingMotion, Solution
 from supple.machine import Placed, System
 from supple.reduction import ReducedBody, filled_up, padded_with_zeros
 
-__all__ = ["in_all_coordinates", "in_own_coordinates", "with_padding_coordinates"]
-
 _OF_COORDINATES = ("coordinates", "coordinate_rates", "coordinate_accelerations")
 """Fields of a `FloatingMotion` whose size is the number of coordinates."""
 

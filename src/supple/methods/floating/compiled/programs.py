@@ -17,16 +17,6 @@ from supple.methods.floating.compiled.elimination import ByLapack, ByLoops
 from supple.methods.floating.compiled.time_step import march
 from supple.programs.program_cache import CachedProgram
 
-__all__ = [
-    "COMPILED_MARCH",
-    "QUICK_MARCH",
-    "STOPS_AT_ONCE",
-    "brief_steps",
-    "ends_before_compiling",
-    "march_for",
-    "program_pair",
-]
-
 
 def program_pair(function: Callable[..., object]) -> tuple[CachedProgram, CachedProgram]:
     """Two programs of a function whose first argument is an elimination: fast steps, and fast compilation."""

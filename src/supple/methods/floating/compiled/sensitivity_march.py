@@ -22,8 +22,6 @@ from supple.methods.floating.compiled.sensitivity_step import StateChange, step_
 from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.time_step import through_stops
 
-__all__ = ["MarchChanges", "MarchedWithChanges", "march_with_changes"]
-
 
 class MarchChanges(NamedTuple):
     """Derivatives of all inputs of a time integration along p directions."""

@@ -32,8 +32,6 @@ from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.step_equations import step_inverse
 from supple.methods.floating.compiled.time_step import equal_steps, is_last, substep
 
-__all__ = ["Carried", "StateChange", "changed_by_step", "state_change", "step_with_changes"]
-
 Residuals = tuple[jax.Array, jax.Array]
 """Residuals (n,) of the bodies and (m,) of the joints."""
 

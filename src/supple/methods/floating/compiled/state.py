@@ -12,9 +12,6 @@ from supple.integrate import Coefficients
 from supple.methods.floating.compiled.contraction import Contraction
 from supple.methods.floating.compiled.frozen_tangent import FrozenInverse
 
-__all__ = ["Controls", "State"]
-
-
 # NumPy arrays: a program accepts them as they are; JAX would compile a program for each.
 _COUNT, _FALSE, _NONE, _UNKNOWN = np.zeros((), int), np.zeros((), bool), np.zeros(()), np.zeros(4)
 

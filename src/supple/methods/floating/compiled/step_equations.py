@@ -31,16 +31,6 @@ from supple.integrate import StepFactors
 from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.tree_elimination import TreeLayout
 
-__all__ = [
-    "LinearizedStep",
-    "correction",
-    "step_fronts",
-    "step_inverse",
-    "step_matrix",
-    "tree_layout",
-    "tree_solution",
-]
-
 _LEAST = 4
 """Number of bodies below which a dense matrix is always faster."""
 _LOOP = 1e4

@@ -26,8 +26,6 @@ from supple.methods.floating.compiled.modified_newton import modified_pass, used
 from supple.methods.floating.compiled.newton import Iteration, Modified, newton_pass
 from supple.methods.floating.compiled.state import Controls, State
 
-__all__ = ["equal_steps", "is_last", "march", "substep", "through_stops"]
-
 C = TypeVar("C")
 Shown = TypeVar("Shown")
 

@@ -30,8 +30,6 @@ from supple.equations.machine_model import Model
 from supple.equations.places import MatrixBlock
 from supple.methods.floating.compiled.elimination import DenseElimination
 
-__all__ = ["TreeFactor", "TreeLayout"]
-
 
 class TreeFactor(NamedTuple):
     """Factors of one matrix, for any load; N and Q are the numbers of unknowns `o` and `q` of a front."""

@@ -18,8 +18,6 @@ import numpy as np
 
 from supple.methods.floating.full.elimination import EliminatedInterior
 
-__all__ = ["Border", "solve_bordered"]
-
 
 class Border(NamedTuple):
     """The compiled part of the linear system."""

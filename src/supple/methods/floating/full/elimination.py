@@ -20,8 +20,6 @@ from scipy.sparse import csr_array
 from supple.algebra.low_rank_update import LowRankUpdate
 from supple.algebra.sparse_factor import SparseFactor
 
-__all__ = ["EliminatedInterior", "Elimination", "elimination"]
-
 
 class EliminatedInterior(NamedTuple):
     """An eliminated interior under its loads; forces and motions of the frame have global components."""

@@ -17,8 +17,6 @@ from supple.methods.floating.full.full_state import InteriorState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.full_tangent import FullTangent
 
-__all__ = ["SIMILAR", "FrozenTangent", "frozen_tangent", "tangent_numbers", "tangent_of"]
-
 SIMILAR = 0.1
 """Largest relative difference of step factors from those of a frozen tangent that is still used."""
 

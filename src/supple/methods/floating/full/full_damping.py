@@ -12,8 +12,6 @@ from supple.algebra.sparse_factor import SparseFactor
 from supple.arrays import FloatArray
 from supple.body import FlexibleBody, Frame, FullBody, ModalDamping, NodalFixedFrame
 
-__all__ = ["FullDamping", "full_damping"]
-
 
 @dataclass(frozen=True, eq=False)
 class FullDamping:

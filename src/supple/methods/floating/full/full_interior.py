@@ -31,9 +31,6 @@ from supple.methods.floating.full.full_damping import FullDamping, full_damping
 from supple.methods.floating.full.full_state import InteriorState
 from supple.methods.floating.full.full_tangent import Factored, FullTangent, full_tangent
 
-__all__ = ["FullInterior", "InteriorForces", "prepare_interior"]
-
-
 MOST_PREPARED = 4
 """Largest number of prepared bodies in the cache of a process."""
 

@@ -13,8 +13,6 @@ from supple.integrate import Solution, Statistics
 from supple.methods.floating.full.full_state import FullState
 from supple.methods.floating.full.full_system import FullSystem
 
-__all__ = ["full_solution"]
-
 
 def full_solution(
     machine: FullSystem,

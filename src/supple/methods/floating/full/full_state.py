@@ -10,8 +10,6 @@ from supple.equations.balance import Balance
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion
 from supple.equations.station_body import BodyState, Stations
 
-__all__ = ["Evaluation", "FullState", "InteriorState", "LineEvaluation", "Targets", "Unknowns"]
-
 
 class Unknowns(NamedTuple):
     """Unknowns of a step, or changes of them."""

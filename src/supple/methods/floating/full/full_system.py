@@ -59,8 +59,6 @@ from supple.methods.floating.full.full_state import (
 from supple.methods.floating.full.full_tangent import Factored, FullTangent
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["FullSystem"]
-
 
 def _matrices(
     model: Model,

@@ -26,8 +26,6 @@ from supple.integrate import StepFactors
 from supple.methods.floating.full.full_damping import FullDamping
 from supple.methods.floating.full.full_state import InteriorState
 
-__all__ = ["LARGEST_TURN", "Factored", "FullTangent", "full_tangent"]
-
 LARGEST_TURN = 0.02
 """Largest `g' |change of w| + b' |change of dw|` for which the factor of a linear body is reused; Newton's
 iteration then still converges fast."""

@@ -14,8 +14,6 @@ from supple.methods.floating.full.full_state import Evaluation, FullState, Unkno
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.full_tangent import FullTangent
 
-__all__ = ["ImplicitStep", "Iterate", "Stepped"]
-
 
 class Stepped(NamedTuple):
     """End of a step, with its counts of iterations and factorisations."""

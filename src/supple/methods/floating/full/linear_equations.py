@@ -20,8 +20,6 @@ from supple.equations.steady_motion import SteadyRotation, linear_equations
 from supple.methods.floating.full.full_state import Evaluation, LineEvaluation
 from supple.methods.floating.full.full_system import FullSystem
 
-__all__ = ["SparseEquations", "frame_conditions", "full_linear_equations", "to_border"]
-
 
 class SparseEquations(NamedTuple):
     """`M p'' + (C + W S W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that rotate with the bodies."""

@@ -31,8 +31,6 @@ from supple.methods.floating.full.frozen_tangent import SIMILAR, FrozenTangent
 from supple.methods.floating.full.full_state import Unknowns
 from supple.methods.floating.full.implicit_step import ImplicitStep, Stepped
 
-__all__ = ["SLOWEST", "NewtonIteration", "exact_newton", "modified_newton"]
-
 SLOWEST = 0.1
 """Ratio of successive corrections above which a frozen tangent is renewed."""
 

@@ -10,8 +10,6 @@ import numpy as np
 from supple.methods.floating.full.full_state import FullState, Unknowns
 from supple.methods.floating.full.full_system import FullSystem
 
-__all__ = ["Earlier", "earlier_numbers", "earlier_of", "predicted_unknowns"]
-
 
 class Earlier(NamedTuple):
     """Unknowns at the start of the last step, and its size."""
