@@ -173,7 +173,10 @@ def slowest_in_standing_axes(
     for _ in range(ROUNDS):
         linear = turn.along(vectors)
         values, y, _ = modes_of(linear)
-        values, shapes = values[:n_modes], expansion(turn.found, vectors) @ (linear.basis @ y[:, :n_modes])
+        values, shapes = (
+            values[:n_modes],
+            expansion(turn.found, vectors).toarray() @ (linear.basis @ y[:, :n_modes]),
+        )
         sizes = np.maximum(abs(values), STILL * abs(values).max(initial=0.0))
         if len(values) == len(before) and (abs(values - before) <= STAYS * sizes).all():
             return values, shapes
