@@ -173,10 +173,8 @@ def slowest_in_standing_axes(
     for _ in range(ROUNDS):
         linear = turn.along(vectors)
         values, y, _ = modes_of(linear)
-        values, shapes = (
-            values[:n_modes],
-            expansion(turn.found, vectors).toarray() @ (linear.basis @ y[:, :n_modes]),
-        )
+        values, motions = values[:n_modes], linear.basis @ y[:, :n_modes]
+        shapes = expansion(turn.found, vectors).toarray() @ motions
         sizes = np.maximum(abs(values), STILL * abs(values).max(initial=0.0))
         if len(values) == len(before) and (abs(values - before) <= STAYS * sizes).all():
             return values, shapes
