@@ -9,11 +9,10 @@ from supple.arrays import FloatArray
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel, has_stress, isotropic_materials
 from supple.integrate import FramedMotion, Motion
-from supple.methods.explicit import ExplicitShell, ExplicitSubdomain
 from supple.methods.explicit.motions import NodalMotion
 from supple.quantities import von_mises_by_end
 from supple.results import without_noise
-from supple.results.explicit_fields import element_means
+from supple.results.explicit_fields import element_means, has_explicit_elements
 from supple.units import UnitSystem, labelled
 
 
@@ -37,7 +36,7 @@ def _stress_label(units: UnitSystem) -> tuple[str, float]:
 
 
 def _plastic_strain(body: BodyForm, motion: Motion, _deflection: FloatArray | None) -> FloatArray | None:
-    if not isinstance(body, ExplicitSubdomain | ExplicitShell) or body.law is None:
+    if not has_explicit_elements(body) or body.law is None:
         return None
     own = motion.of_type(NodalMotion)
     return element_means(body, own.plastic_strain, own.alive)
@@ -53,7 +52,7 @@ def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
         model = elements.get(body.name)
         if model is None or not has_stress(model):
             return None
-        if isinstance(body, ExplicitSubdomain | ExplicitShell):
+        if has_explicit_elements(body):
             own = motion.of_type(NodalMotion)
             stress = element_means(body, own.von_mises, own.alive)
         else:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from scipy import sparse
 
 from supple.arrays import FloatArray
+from supple.body import BodyForm
 from supple.integrate import Solution
 from supple.methods.explicit import ExplicitShell, ExplicitSubdomain
 from supple.methods.explicit.motions import NodalMotion
 from supple.units import UnitSystem
+
+
+def has_explicit_elements(body: BodyForm) -> TypeGuard[ExplicitSubdomain | ExplicitShell]:
+    """Whether the body consists of explicit elements, which have no frame."""
+    return not body.has_frame
 
 
 def element_means(

@@ -21,7 +21,7 @@ from supple.quantities.force_sensors import joint_loads, joint_meanings
 from supple.quantities.stress_history import largest_stress
 from supple.quantities.tracked_motion import TrackedMotion
 from supple.reduction import Locking, ReducedBody, clamped_modes
-from supple.results.explicit_fields import largest_part_stress
+from supple.results.explicit_fields import has_explicit_elements, largest_part_stress
 from supple.results.explicit_numbers import march_numbers, part_numbers
 from supple.results.run_start import start_numbers
 from supple.units import UNNAMED, UnitSystem, headed
@@ -91,7 +91,7 @@ def stress_numbers(
         model = elements.get(body.name)
         if model is None or not has_stress(model):
             continue
-        if isinstance(body, ExplicitSubdomain | ExplicitShell):
+        if has_explicit_elements(body):
             found[body.name] = largest_part_stress(body, solution, units)
         elif body.n_coordinates:
             motion = solution.motion(body.name, FramedMotion)

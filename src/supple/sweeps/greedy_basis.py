@@ -14,6 +14,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
@@ -241,9 +242,8 @@ def _with_locking(
     """The machine with the locking indicator in the report of each nonlinear body, computed where missing."""
     bodies = []
     for each in system.bodies:
-        placed, body = each, each.body
-        lacks = isinstance(body, ReducedBody) and body.name in bases and body.report.locking is None
-        if lacks and not fulls[body.name].body.is_linear:
+        placed, body = each, cast("ReducedBody", each.body)
+        if body.name in bases and body.report.locking is None and not fulls[body.name].body.is_linear:
             quartic = PlainQuartic() if body.condensed is None else CondensedQuartic()
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", LockingWarning)

@@ -16,10 +16,10 @@ from supple.fem import FiniteElementModel
 from supple.integrate import FramedMotion, Solution
 from supple.machine import At, System
 from supple.mesh import Mesh
-from supple.methods.explicit import ExplicitShell, ExplicitSubdomain, NodalMotion
+from supple.methods.explicit import NodalMotion
 from supple.quantities import displacement_from_axes, observer_of
 from supple.quantities.stress_history import equivalent_stress
-from supple.results.explicit_fields import element_means
+from supple.results.explicit_fields import element_means, has_explicit_elements
 from supple.units import UnitSystem, labelled
 
 Evaluator = Callable[[Solution, FloatArray], FloatArray]
@@ -123,7 +123,7 @@ def _deflection(system: System, body: BodyForm, bases: Mapping[str, At]) -> Eval
 
 
 def _stress(body: BodyForm, model: FiniteElementModel, factor: float) -> Evaluator:
-    if isinstance(body, ExplicitSubdomain | ExplicitShell):
+    if has_explicit_elements(body):
 
         def at_nodes(part: Solution, _: FloatArray) -> FloatArray:
             motion = part.motion(body.name, NodalMotion)
@@ -141,8 +141,9 @@ def _of_cells(pieces: Sequence[Piece], values: Callable[[NodalMotion], FloatArra
     """
     found: dict[Piece, Evaluator] = {}
     for piece in pieces:
-        if isinstance(piece.body, ExplicitSubdomain | ExplicitShell) and piece.mesh is not None:
-            order = _cell_order(piece, piece.body.model, piece.mesh)
+        body = piece.body
+        if body is not None and has_explicit_elements(body) and piece.mesh is not None:
+            order = _cell_order(piece, body.model, piece.mesh)
             found[piece] = lambda part, _, piece=piece, order=order: values(
                 part.motion(piece.name, NodalMotion)
             )[:, order]
