@@ -33,9 +33,10 @@ from supple.programs.program_cache import CachedProgram
 
 ITERATED = 1e-4
 """Tolerance of implicit steps relative to that of the run, so that only the rule affects the energy."""
-QUICK = 100_000
-"""Steps times unknowns of a run up to which the quick program is used. It compiles in two thirds of the time
-(33 instead of 51 s for two lines of 106 unknowns), and its steps take 3.6 times as long (44 and 12 ms)."""
+QUICK = 40_000
+"""Steps times unknowns of a run up to which the quick program is used. It compiles faster (two lines of 104
+unknowns: 15 instead of 21 s with the start, three of 145: 15 instead of 23 s), and its steps take 3.7 times
+as long (20 and 5 ms, 42 and 12 ms)."""
 
 
 Outputs = tuple[jax.Array, JoinedRates, jax.Array]
