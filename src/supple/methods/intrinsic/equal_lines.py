@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.arrays import AnyArray, Tree
 from supple.methods.intrinsic.line_model import LineModel
 from supple.programs.program_cache import CachedProgram
+
+T = TypeVar("T")
 
 
 @jax.tree_util.register_dataclass
@@ -44,8 +47,8 @@ class EqualLines(Sequence[LineModel]):
 
 
 def for_each_line(
-    function: Callable[..., Any], models: Sequence[LineModel], *columns: Sequence[Any]
-) -> tuple[Any, ...]:
+    function: Callable[..., T], models: Sequence[LineModel], *columns: Sequence[Tree]
+) -> tuple[T, ...]:
     """Results of `function(model, ..)` for each line.
 
     `EqualLines` whose arguments differ in numbers only are evaluated together: a rotor of three equal blades
@@ -56,7 +59,7 @@ def for_each_line(
     if not isinstance(models, EqualLines):
         return tuple(function(*own) for own in zip(models, *columns, strict=True))
     arguments = list(zip(*columns, strict=True))
-    results: dict[int, Any] = {}
+    results: dict[int, T] = {}
     for stack, members in zip(models.stacks, models.members, strict=True):
         groups = _alike([arguments[line] for line in members])
         for group in groups:
@@ -72,24 +75,24 @@ def for_each_line(
     return tuple(results[line] for line in range(len(results)))
 
 
-def _alike(arguments: Sequence[Any]) -> tuple[tuple[int, ...], ...]:
+def _alike(arguments: Sequence[tuple[Tree, ...]]) -> tuple[tuple[int, ...], ...]:
     """Numbers of the arguments of equal structure, shapes and types, group by group."""
-    groups: dict[Any, list[int]] = {}
+    groups: dict[object, list[int]] = {}
     for number, own in enumerate(arguments):
         groups.setdefault(CachedProgram.signature(*own), []).append(number)
     return tuple(map(tuple, groups.values()))
 
 
-def _stacked(trees: Sequence[Any]) -> Any:
+def _stacked(trees: Sequence[Tree]) -> Tree:
     if len(trees) == 1:
         return trees[0]
 
-    def stacked(*leaves: Any) -> Any:
+    def stacked(*leaves: AnyArray) -> AnyArray:
         known = all(isinstance(leaf, np.ndarray) for leaf in leaves)
         return np.stack(leaves) if known else jnp.stack(leaves)
 
     return jax.tree.map(stacked, *trees)
 
 
-def _taken(tree: Any, number: Any) -> Any:
+def _taken(tree: Tree, number: int | np.ndarray) -> Tree:
     return jax.tree.map(lambda leaf: leaf[number], tree)
