@@ -152,8 +152,9 @@ def test_a_run_that_was_cut_off_is_continued_to_the_same_end(finished, tmp_path)
     solution = read_solution(whole / "strip.h5")
     half = solution.at(slice(100))
     cut.mkdir()
-    inputs = read_case(case).inputs
-    with ResultFile.create(cut / "strip.h5", case=case.read_text(), inputs=inputs) as file:
+    read = read_case(case)
+    units, inputs = {"units": str(read.units)}, read.inputs
+    with ResultFile.create(cut / "strip.h5", case=case.read_text(), inputs=inputs, metadata=units) as file:
         file.append(half)
     shutil.copy(whole / "strip-reduced.h5", cut)
     begun_with = (cut / "strip-reduced.h5").stat().st_mtime_ns
