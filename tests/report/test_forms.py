@@ -27,7 +27,7 @@ def test_positions_are_those_of_the_run(tmp_path, form):
         velocity=(1.0, 0.0, 2.0),
         angular_velocity=(1.0, 2.0, 9.0),
     )
-    push = DeadForce(body="bar", at=tip, force=lambda time: 150 * time / PERIOD * np.array([0.0, 1.0, 0.5]))
+    push = DeadForce(body="bar", at=tip, force=lambda time: 100 * time / PERIOD * np.array([0.0, 1.0, 0.5]))
     system = System([placed], loads=[push])
     run = sp.Run(2 * PERIOD, 2 * PERIOD / N_OUTPUTS, step=sp.FixedStep(PERIOD / 400))
     solution = sp.simulate(system, run)
