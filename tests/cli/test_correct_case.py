@@ -92,7 +92,8 @@ def test_an_error_that_is_not_met_keeps_the_rounds_and_names_the_best(case):
     out = case.parent / "out"
     output = call("run", case, "-o", out, code=2)
     assert (
-        "did not reach the error 2.5e-07: all rounds are used up (max_rounds = 1). Estimated errors:" in output
+        "did not reach the error 2.5e-07: all rounds are used up (max_rounds = 1). Estimated errors:"
+        in output
     )
     archive = CorrectionFolder(out / "self_correction", case=case.read_text())
     assert f"the best round is in {archive.motion(1)}" in output
