@@ -75,13 +75,18 @@ def shape_rates(model: LineModel, state: LineState, q1: jax.Array) -> tuple[jax.
     return forces, *root_rates(model, q1, state.quaternion)
 
 
+def steady_rates(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.Array, ...]) -> States:
+    """Rates of the states of each line at constant amplitudes q_1 of velocities."""
+
+    def rates(model: LineModel, state: LineState, q1: jax.Array) -> LineState:
+        return LineState(jnp.zeros_like(q1), *shape_rates(model, state, q1))
+
+    return for_each_line(rates, arrays.lines, states, amplitudes)
+
+
 def station_twists(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.Array, ...]) -> jax.Array:
     """Velocities (global) and angular velocities (own axes) of the coupled stations, (6 s,)."""
-
-    def shape(model: LineModel, state: LineState, q1: jax.Array) -> LineState:
-        return LineState(jnp.zeros_like(state.q1), *shape_rates(model, state, q1))
-
-    rates = for_each_line(shape, arrays.lines, states, amplitudes)
+    rates = steady_rates(arrays, states, amplitudes)
     (_, rotations), (velocities, turning) = jax.jvp(
         lambda at: coupled_places(arrays, at), (states,), (rates,)
     )

@@ -267,13 +267,15 @@ def coupled_places(arrays: JoinedArrays, states: States) -> tuple[jax.Array, jax
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class _Stations:
+    """Numbers of the coupled stations of one line, part of the structure of a program."""
+
     numbers: tuple[int, ...] = field(metadata=STATIC)
 
 
 def _coupled_places(model: LineModel, state: LineState, coupled: _Stations) -> StationPlaces:
     """Places of the coupled stations of one line."""
     root = rotation_of(state.quaternion)
-    if not any(coupled.numbers):
+    if not any(coupled.numbers):  # at most the root: no strains to integrate
         n = len(coupled.numbers)
         return StationPlaces(jnp.broadcast_to(root, (n, 3, 3)), jnp.broadcast_to(state.position, (n, 3)))
     places = station_places(model, state.q2, root, state.position)

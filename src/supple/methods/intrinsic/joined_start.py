@@ -35,10 +35,9 @@ from supple.methods.intrinsic.joined_equations import (
     motion_residuals,
     moved_instant,
     residuals_of_joints,
-    shape_rates,
+    steady_rates,
 )
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, with_stations
-from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.machine_of_lines import amplitudes_of, frame_to_root, rigid_motion
 from supple.programs.program_cache import CachedProgram
 
@@ -236,10 +235,7 @@ def instant_rates(
     solution is iterated where friction in b depends on lambda, at most `MOST` times.
     """
     m, n = len(arrays.model.active), arrays.n_floating
-    lines = tuple(
-        LineState(jnp.zeros_like(state.q1), *shape_rates(model, state, state.q1))
-        for model, state in zip(arrays.lines, now.lines, strict=True)
-    )
+    lines = steady_rates(arrays, now.lines, tuple(state.q1 for state in now.lines))
     steady = JoinedRates(lines, jnp.zeros(n), now.velocity)
     none = jnp.zeros(m)
     held = control and ControlStep(control, jnp.zeros(()))

@@ -37,7 +37,7 @@ from supple.methods.intrinsic.joined_equations import (
     moved_instant,
     on_amplitudes,
     seen_motion,
-    shape_rates,
+    steady_rates,
 )
 from supple.methods.intrinsic.joined_machine import JoinedArrays
 from supple.methods.intrinsic.joined_start import velocity_metric
@@ -84,10 +84,7 @@ def _parts(arrays: JoinedArrays, y: jax.Array) -> tuple[jax.Array, list[jax.Arra
 
 def _moved_by(arrays: JoinedArrays, at: JoinedInstant, y: jax.Array) -> JoinedInstant:
     floating, own = _parts(arrays, y)
-    lines = tuple(
-        LineState(jnp.zeros_like(state.q1), *shape_rates(model, state, change))
-        for model, state, change in zip(arrays.lines, at.lines, own, strict=True)
-    )
+    lines = steady_rates(arrays, at.lines, tuple(own))
     return moved_instant(arrays, at, JoinedRates(lines, jnp.zeros_like(at.velocity), floating), jnp.zeros(()))
 
 

@@ -39,7 +39,7 @@ class LinearBasis(ReadOnlyArrays):
     def followed_by(self, other: LinearBasis) -> LinearBasis:
         """The columns of both, with the static solver of this basis.
 
-        More columns lower the eigenvalues, but not below the exact ones: a certificate remains valid.
+        More columns lower the eigenvalues, but not below the exact ones: a stated error bound remains valid.
         """
         return replace(
             self,
