@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -74,6 +75,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback o
 
 def main() -> None:
     """Entry point of the command."""
+    gc.disable()  # imports make hardly any garbage; `reported_errors` enables the collection after them
     show_any_character()
     show_progress(False)  # commands draw their own progress bars
     app()

@@ -45,10 +45,10 @@ def von_mises_history(
 ) -> FloatArray:
     """Largest von Mises stress over the layers (t, N), in the unit of stress, at coordinates (t, r).
 
-    The stress of a reduced body follows from its stress modes. The stress of a full body, or of a reduced
-    body with nonlinear forces beyond its tensors (`ReducedBody.elastic_elsewhere`), is recovered from nodal
-    displacements. In elements at rigid interfaces, the strain includes the second-order motion of tied
-    nodes (`tied_recovery`). A linear body has the stress of its linear strain; an intrinsic body has the
+    The stress of a reduced body follows from its stress modes. The stress at few times, of a full body, or of
+    a reduced body with nonlinear forces beyond its tensors (`ReducedBody.elastic_elsewhere`), is recovered
+    from nodal displacements. In elements at rigid interfaces, the strain includes the second-order motion of
+    tied nodes (`tied_recovery`). A linear body has the stress of its linear strain; an intrinsic body has the
     stress of the static shapes of its section loads.
 
     Parameters
@@ -62,7 +62,7 @@ def von_mises_history(
     """
     n_nodes = len(body.nodes) if nodes is None else np.size(nodes)
     found = np.zeros((len(coordinates), n_nodes))
-    if has_modes(body):
+    if has_modes(body) and _are_worth(body, len(coordinates)):
         chosen = np.arange(n_nodes) if nodes is None else checked_nodes(nodes, len(body.nodes))
         for some in _slices_of_modes(body, model, n_nodes):
             found[:, some] = tensor_modes(STRESS, body, model, chosen[some]).von_mises(coordinates)
@@ -80,7 +80,7 @@ def tensor_blocks(
     The tensor has l layers (`StressLayers`). Every pair of a time and a node is in exactly one block. Raises
     the errors of `von_mises_history`.
     """
-    if not has_modes(body):
+    if not (has_modes(body) and _are_worth(body, len(coordinates))):
         yield from _recovered(body, tensor.recovery(model), coordinates, nodes)
         return
     chosen = checked_nodes(nodes, len(body.nodes))
@@ -173,6 +173,11 @@ def has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:
     return body.has_stress_modes
 
 
+def _are_worth(body: ReducedBody, n_times: int) -> bool:
+    """Whether modes cost less than recovery at every time: a mode costs as much as about half a time."""
+    return 2 * n_times >= _modes_per_layer(body)
+
+
 def _slices_of_modes(body: ReducedBody, model: FiniteElementModel, n_nodes: int) -> Iterator[slice]:
     """Blocks of nodes whose modes are in memory at a time."""
     return _slices(n_nodes, _MODE_NUMBERS // (_numbers_of_modes(body, model) or 1))
@@ -180,8 +185,13 @@ def _slices_of_modes(body: ReducedBody, model: FiniteElementModel, n_nodes: int)
 
 def _numbers_of_modes(body: ReducedBody, model: FiniteElementModel) -> int:
     """Number of entries in the modes of a node."""
+    return 6 * stress_layers(model).count * _modes_per_layer(body)
+
+
+def _modes_per_layer(body: ReducedBody) -> int:
+    """Number of modes: one per coordinate, per product of two of them, and per field of condensed motion."""
     n_condensed = 0 if body.condensed is None else body.condensed.fields.shape[1]
-    return 6 * stress_layers(model).count * (body.r * (body.r + 3) // 2 + n_condensed)
+    return body.r * (body.r + 3) // 2 + n_condensed
 
 
 def _recovered(
