@@ -7,6 +7,7 @@ register is refused when it is called.
 
 from __future__ import annotations
 
+import gc
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, cast
 
@@ -46,6 +47,7 @@ class BenchmarkGroup(TyperGroup):
                     f"several packages have a benchmark '{cmd_name}': {' and '.join(offered)}; uninstall all "
                     "of them but one"
                 )
+        gc.enable()  # a benchmark of another package need not use `reported_errors`
         single = typer.Typer(add_completion=False, rich_markup_mode=None)
         single.command(cmd_name)(benchmark.load())
         return typer.main.get_command(single)
