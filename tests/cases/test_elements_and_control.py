@@ -288,6 +288,12 @@ def test_a_controller_acts_at_rest_where_its_code_may_run(tmp_path):
     rotation = started.bodies[0].rotation
     assert np.arctan2(rotation[1, 0], rotation[0, 0]) == pytest.approx(0.3, abs=1e-9)
     assert started.controllers[0].initial == pytest.approx([9.0], rel=1e-9)
+    run_case(case, tmp_path / "out", errors=False, allow_code=True)
+    head, first, *_ = (tmp_path / "out" / "sensors.csv").read_text().splitlines()
+    assert dict(zip(head.split(","), map(float, first.split(",")), strict=True)) == pytest.approx(
+        {"Time": 0.0, "controller controller.motor": 0.0},
+        abs=1e-9,  # 9 - 30 * 0.3
+    )
     modes, _ = modes_case(case, tmp_path, allow_code=True)
     loop = np.roots([0.5, 2.0, 30.0])
     expected = [loop[loop.imag > 0][0], -10.0]

@@ -18,7 +18,6 @@ from supple.machine import (
     GROUND,
     At,
     BaseAcceleration,
-    Controller,
     Fixed,
     FollowerForce,
     Placed,
@@ -30,7 +29,6 @@ from supple.machine import (
     SpinUp,
     SpringDamper,
     System,
-    TorqueBetween,
     Unbalance,
 )
 from supple.mesh import strip
@@ -366,16 +364,6 @@ def test_a_deflection_of_explicit_elements_is_seen_from_a_node_set():
         EnergySensor("energy").channels(machine[0])
     with pytest.raises(ModelError, match="reference of its deflection: give seen_from"):
         read(DeflectionSensor("bent", Place("bar", end)), machine)
-
-
-def test_the_force_of_an_element_that_a_controller_drives_is_unknown():
-    rotor = RigidBody("rotor", 1.0, np.zeros(3), np.eye(3), {"hub": np.zeros(3)})
-    motor = TorqueBetween(first=GROUND, second="rotor.hub", axis=(0, 0, 1))
-    control = Controller(reads={}, drives={"motor": motor}, outputs=lambda *_: {"motor": 2.0}, name="loop")
-    system = System([rotor], controllers=[control])
-    machine = system, simulate(system, Run(0.01, 0.01, FixedStep(0.01)))
-    with pytest.raises(ModelError, match=r"sensor 'torque': TorqueBetween .* is driven by controller 'loop'"):
-        read(SpringForceSensor("torque", motor), machine)
 
 
 def test_a_place_without_nodes_is_refused():

@@ -36,6 +36,7 @@ from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import (
     Readings,
     TrackedMotion,
+    control_sensors,
     read_sensors,
     tracked_places,
 )
@@ -169,7 +170,9 @@ def _run_case(case: Case, folder: Path, beside: DrawingProcess, options: _Option
         if table.name in reduced:
             warn_of_ratios(table.damping, reduced[table.name])
     tracked = _tracked(case, system, solution)
-    readings = read_sensors(case.sensors, system, solution)
+    named = {each.name for each in case.sensors}
+    controls = [each for each in control_sensors(system, solution) if each.name not in named]
+    readings = read_sensors([*case.sensors, *controls], system, solution)
     numbers = summarize(system, solution, tracked, fulls=case.fulls, units=case.units)
     stressed = {} if isinstance(case.run.method, Kinematic) else case.elements  # rigid bodies have no stress
     numbers |= {"stress": stress_numbers(system, solution, stressed, units=case.units)}

@@ -38,16 +38,21 @@ def page_path(folder: Path) -> Path:
 
 def written_after_the_run(case: Case, folder: Path) -> tuple[Path, ...]:
     """The files of numbers that the run of a case writes when it is complete."""
-    readings = readings_paths(folder) if case.tables.sensor else ()
+    readings = readings_paths(folder) if _has_readings(case) else ()
     page = (page_path(folder),) if case.tables.output.report else ()
     return report_path(case, folder), *readings, *page
+
+
+def _has_readings(case: Case) -> bool:
+    """Whether a run of the case reads sensors, or outputs of controllers."""
+    return bool(case.tables.sensor or case.tables.control)
 
 
 def check_outputs(case: Case, folder: Path) -> None:
     """Raise CaseError if a run of the case in a folder would overwrite its inputs or one of its own files."""
     result = result_path(case.path, folder)
     others = {stored_path(folder, name): f"body '{name}'" for name in case.made_here}
-    others |= dict.fromkeys(readings_paths(folder) if case.tables.sensor else (), "the sensors")
+    others |= dict.fromkeys(readings_paths(folder) if _has_readings(case) else (), "the sensors")
     if result in others:
         raise CaseError(
             f"{case.path}: the result file and the file of {others[result]} would both be {result}; give "

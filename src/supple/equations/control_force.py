@@ -20,7 +20,7 @@ import numpy as np
 from supple.arrays import AnyArray
 from supple.equations.configuration import ControlState, ControlStep, SystemMotion
 from supple.equations.ends import markers
-from supple.equations.machine_model import ControlLaw, Ends, Model
+from supple.equations.machine_model import Actuator, ControlLaw, Ends, Model
 from supple.equations.marker import (
     N_LOCAL,
     Marker,
@@ -92,6 +92,15 @@ def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
         states.append(jnp.concatenate([own, jnp.stack(angles)]) if angles else own)
         rates.append(rates_of(law, motion.time, now, own))
     return step.start._replace(states=tuple(states), rates=tuple(rates))
+
+
+def outputs(model: Model, motion: SystemMotion) -> tuple[jax.Array, ...]:
+    """Outputs (c,) of each controller, in the order of the elements that it drives."""
+    found = []
+    for number, (law, readings) in enumerate(zip(model.controllers, readings_at(model, motion), strict=True)):
+        given = _outputs(law, number, motion, readings)
+        found.append(jnp.concatenate([_added(law, each, given).ravel() for each in law.actuators]))
+    return tuple(found)
 
 
 def readings_at(model: Model, motion: SystemMotion) -> tuple[Readings, ...]:
@@ -285,6 +294,15 @@ def _outputs(
     return found
 
 
+def _added(law: ControlLaw, driven: Actuator, given: Mapping[str, AnyArray]) -> jax.Array:
+    """The output for a driven element, in the shape of the value of the element's law."""
+    what = f"controller '{law.name}': its output '{driven.name}'"
+    added = _real(given[driven.name], what)
+    if added.size != np.prod(driven.shape):
+        raise ModelError(f"{what} must have the shape {driven.shape}, got {added.shape}")
+    return jnp.reshape(added, driven.shape)
+
+
 def local_forces(
     law: ControlLaw, number: int, motion: SystemMotion
 ) -> Callable[[jax.Array, jax.Array], jax.Array]:
@@ -299,18 +317,13 @@ def local_forces(
         moved = at(variations, rates)
         poses = jax.vmap(pose)(moved)
         readings = readings_of(law, _step(motion).start.states[number], poses)
-        outputs = _outputs(law, number, motion, readings)
+        given = _outputs(law, number, motion, readings)
         loads: list[Wrench] = []
         for place, each in enumerate(law.actuators):
             own, parameters = _one((each.force.law, each.force.parameters), 0)
-            what = f"controller '{law.name}': its output '{each.name}'"
-            added = _real(outputs[each.name], what)
-            if added.size != np.prod(each.shape):
-                raise ModelError(f"{what} must have the shape {each.shape}, got {added.shape}")
-            added = jnp.reshape(added, each.shape)
             ends = _one(poses, n_read + 2 * place), _one(poses, n_read + 2 * place + 1)
             assert own is not None
-            loads += each.force.wrenches(*ends, own(motion.time) + added, parameters)
+            loads += each.force.wrenches(*ends, own(motion.time) + _added(law, each, given), parameters)
         every = jax.tree.map(lambda *leaves: jnp.stack(leaves), *loads)
         return jax.vmap(generalized_force)(jax.tree.map(lambda leaf: leaf[n_read:], moved), every)
 

@@ -23,6 +23,7 @@ def floating_solution(
     statistics: Statistics,
     engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
     seen: StationMotions | None = None,
+    series: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> Solution:
     """Stacked states (leading axis: time) as a solution, with the forces of the joints.
 
@@ -30,6 +31,7 @@ def floating_solution(
     active : constraint equations in use, in the order of the multipliers
     engine_state : further numbers for an exact resume
     seen : motions of bodies represented by stations; None without such bodies
+    series : as in `Solution`
     """
     bodies: dict[str, Motion] = dict(
         body_motions(system, slices, motion.configuration, motion.velocity, motion.acceleration)
@@ -44,6 +46,7 @@ def floating_solution(
         multipliers=multipliers,
         statistics=statistics,
         engine_state=engine_state,
+        series=series,
     )
 
 

@@ -2,6 +2,7 @@
 
 from supple.quantities.beam_force_sensor import *
 from supple.quantities.contact_force import *
+from supple.quantities.control_sensor import *
 from supple.quantities.end_motion import *
 from supple.quantities.force_sensors import *
 from supple.quantities.nodal_damage import *

@@ -15,6 +15,7 @@ from supple.arguments import check_fields
 from supple.arrays import FloatArray
 from supple.equations import balances
 from supple.equations.build_model import initial_points
+from supple.equations.control_series import added_to_law
 from supple.errors import ModelError
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import ForceElement, Joint, JointFriction, System
@@ -91,10 +92,12 @@ class _OfElement:
         ends = both_ends(system, solution, element, self.name)
         law, parameters = element.law, jax.tree.map(jnp.asarray, element.parameters)
         times = jnp.asarray(solution.times)
+        added = added_to_law(system, solution, self.element)
         carried = jnp.zeros((len(times), 2))
         if isinstance(element, JointFriction):
             carried = jnp.asarray(solution.joint_forces[element.joint.name])[:, :2]
-        return np.asarray(_of_element(UserFunction(type(element)), law, parameters, *ends, times, carried))
+        kind = UserFunction(type(element))
+        return np.asarray(_of_element(kind, law, parameters, *ends, times, carried, added))
 
 
 class SpringForceSensor(_OfElement):
@@ -102,20 +105,12 @@ class SpringForceSensor(_OfElement):
 
     For an element that acts on its first end alone, such as an `Unbalance`, they are those on the first end.
 
-    element : ForceElement      a load of the machine, or a hypothetical element; not one that a controller
-        drives, whose output the sensor cannot compute
+    element : ForceElement      a load of the machine, one that a controller drives, or a hypothetical element
     """
 
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
         check_ends(system, self.name, self.element)
-        for controller in system.controllers:
-            if any(each is self.element for each in controller.drives.values()):
-                raise ModelError(
-                    f"sensor '{self.name}': {self.element.label} is driven by controller "
-                    f"'{controller.name}', whose outputs are not stored: measure what the controller reads, "
-                    "and compute the force with its law"
-                )
         return vector_channels("global", LOAD)
 
     def values(self, system: System, solution: Solution) -> FloatArray:
@@ -127,10 +122,9 @@ class SpringForceSensor(_OfElement):
 class ElementEnergySensor(_OfElement):
     """Energy stored in a force element, and the power of its forces on both of its ends, (t, 2).
 
-    `-power - d(stored)/dt` is the dissipated power minus the power supplied by a law of time. The output of a
-    controller is not included, because the sensor cannot compute it.
+    `-power - d(stored)/dt` is the dissipated power minus the power supplied by a law of time or a controller.
 
-    element : ForceElement      a load of the machine, or a hypothetical element
+    element : ForceElement      a load of the machine, one that a controller drives, or a hypothetical element
     """
 
     def channels(self, system: System) -> Sequence[Channel]:
@@ -152,17 +146,19 @@ def _of_element(
     second: Pose,
     times: jax.Array,
     carried: jax.Array,
+    added: jax.Array | None,
 ) -> jax.Array:
     kind: Any = of.function
 
-    def at(one: Pose, other: Pose, time: jax.Array, reaction: jax.Array) -> jax.Array:
+    def at(one: Pose, other: Pose, time: jax.Array, reaction: jax.Array, more: jax.Array | None) -> jax.Array:
         value: Any = (reaction if kind.reads_reaction else None) if law is None else law(time)
+        value = value if more is None else value + more
         loads = kind.wrenches(one, other, value, parameters)
         stored = jnp.asarray(kind.energy(one, other, value, parameters), dtype=float)
         power = _power(one, loads[0]) + _power(other, loads[1])
         return jnp.concatenate([*loads[0 if kind.acts_on_first_alone else 1], jnp.stack([stored, power])])
 
-    return jax.vmap(at)(first, second, times, carried)
+    return jax.vmap(at)(first, second, times, carried, added)
 
 
 def _power(end: Pose, load: Wrench) -> jax.Array:

@@ -36,10 +36,11 @@ class QuantityKind(Enum):
     STRAIN = "strain"
     ENERGY = "energy"
     POWER = "power"
+    NUMBER = "number"
 
     def unit(self, units: UnitSystem) -> str:
-        """Name of the unit, "" without a name; angles are in rad, strains are dimensionless."""
-        known = {QuantityKind.ANGLE: "rad", QuantityKind.STRAIN: ""}
+        """Name of the unit, "" without a name; angles are in rad, strains and numbers have none."""
+        known = {QuantityKind.ANGLE: "rad", QuantityKind.STRAIN: "", QuantityKind.NUMBER: ""}
         return known[self] if self in known else str(getattr(units, self.value.replace(" ", "_")))
 
 

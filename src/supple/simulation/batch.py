@@ -20,6 +20,7 @@ from supple.arguments import check_instance, checked_arguments
 from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_resolution import report_step_length
 from supple.equations.checks.validity import Peaks, watch
+from supple.equations.control_series import control_series
 from supple.equations.floating_solution import floating_solution
 from supple.equations.machine_model import Model
 from supple.equations.stops import Stops, laws_of, padded_stops, stepping_instants
@@ -241,9 +242,9 @@ def _bodies_and_joints(case: _MarchedCase) -> Hashable:
 def _found_together(cases: Sequence[_MarchedCase]) -> list[Solution]:
     first = cases[0]
     states = jax.tree.map(lambda *own: np.concatenate(own), *(case.states for case in cases))
-    whole = floating_solution(
-        first.system, first.model.slices, first.model.active, system_motion(states), Statistics()
-    )
+    motion, model = system_motion(states), first.model
+    series = control_series(model, motion, states.control)
+    whole = floating_solution(first.system, model.slices, model.active, motion, Statistics(), series=series)
     ends = np.cumsum([len(case.states.time) for case in cases])
     return [
         replace(

@@ -15,8 +15,8 @@ Format "supple-result", version 4, an HDF5 file (any HDF5 reader opens it):
     joint_forces/<name>        (t, 6) force and moment of each joint; its attributes `columns`, `acts_on`,
                                `axes` and `unit` give component, end acted on, axes and unit
     multipliers/<name>         (t, m) Lagrange multipliers of each joint, to continue the run
-    series/<name>              (t, c) numbers of the whole machine; for an explicit run energies, steps,
-                               obstacles and contacts
+    series/<name>              (t, c) numbers of the whole machine: outputs of controllers; energies, steps,
+                               obstacles and contacts of an explicit run
     commits      (k, 11)       one row per chunk written: its first row and its number of times, then its
                                steps, iterations, rejected steps, seconds, seconds of compilation, the
                                largest local error and rotation of a step, factorizations, and the decades by

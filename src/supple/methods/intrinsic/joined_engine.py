@@ -15,6 +15,7 @@ from jax.flatten_util import ravel_pytree
 from supple.equations.checks.start_report import report_start
 from supple.equations.compiler_options import MARCHING, STARTING
 from supple.equations.configuration import ControlState, SystemMotion
+from supple.equations.control_series import control_series
 from supple.equations.control_start import first_control, fresh_control, kept_control
 from supple.equations.floating_solution import floating_solution
 from supple.equations.sampling import joined_legs, march_sampled, sampling_of
@@ -188,7 +189,10 @@ class JoinedEngine:
         }
         state["active"] = np.array(self._arrays.model.active, dtype=float)
         state |= kept_control(self._arrays.model, leg.last.control)
-        return joined_solution(self.machine, now, velocities, rates, multipliers, leg.statistics, state)
+        control = leg.states.control
+        return joined_solution(
+            self.machine, now, velocities, rates, multipliers, leg.statistics, state, control
+        )
 
 
 def joined_solution(
@@ -199,16 +203,21 @@ def joined_solution(
     multipliers: np.ndarray,
     statistics: Statistics,
     engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
+    control: ControlState | None = None,
 ) -> Solution:
-    """Stacked instants (leading axis: time) as a solution, with joint forces.
+    """Stacked instants (leading axis: time) as a solution, with joint forces and outputs of controllers.
 
     velocities : (t, n)     velocities of all bodies of the model, including stations
+    control : of the controllers, stacked; None without controllers
     """
     arrays, model, times = machine.arrays, machine.arrays.model, np.asarray(now.time)
     still = np.zeros((len(times), 6 * arrays.n_coupled))
     accelerations = np.concatenate([rates.acceleration, still], axis=1)
     motion = SystemMotion(times, now.floating, velocities, accelerations, multipliers)
-    seen = floating_solution(machine.seen, model.slices, model.active, motion, statistics, engine_state)
+    series = control_series(model, motion, control)
+    seen = floating_solution(
+        machine.seen, model.slices, model.active, motion, statistics, engine_state, series=series
+    )
     lines = {
         placed.body.name: line_motion(placed, own, None, state, rate.q1, times)
         for placed, own, state, rate in zip(machine.lines, arrays.lines, now.lines, rates.lines, strict=True)

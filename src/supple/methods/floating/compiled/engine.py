@@ -13,6 +13,7 @@ from supple.equations.build_model import build_model
 from supple.equations.checks.start_report import report_start
 from supple.equations.compiled_machine import CompiledMachine, accelerations, compiled_start
 from supple.equations.configuration import SystemMotion
+from supple.equations.control_series import control_series
 from supple.equations.control_start import kept_control, resumed_control
 from supple.equations.floating_solution import (
     failure_message,
@@ -265,7 +266,8 @@ def as_solution(
     """
     states = jax.tree.map(np.asarray, states)
     motion, ending = system_motion(states), engine_state(model, states, kept)
-    return floating_solution(system, model.slices, model.active, motion, statistics, ending)
+    series = control_series(model, motion, states.control)
+    return floating_solution(system, model.slices, model.active, motion, statistics, ending, series=series)
 
 
 def system_motion(states: State) -> SystemMotion:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
+import jax
 import numpy as np
 
 from supple.equations.configuration import Configuration, SystemMotion
+from supple.equations.control_series import control_series
 from supple.equations.floating_solution import StationMotions, floating_solution
 from supple.integrate import Solution, Statistics
 from supple.methods.floating.full.full_state import FullState
@@ -34,10 +36,24 @@ def full_solution(
         np.array([state.acceleration for state in states]),
         np.array([state.multipliers for state in states]),
     )
-    active = machine.model.active
     return floating_solution(
-        machine.system, machine.slices, active, motion, statistics, engine_state, _seen(machine, states)
+        machine.system,
+        machine.slices,
+        machine.model.active,
+        motion,
+        statistics,
+        engine_state,
+        _seen(machine, states),
+        _control_series(machine, states),
     )
+
+
+def _control_series(machine: FullSystem, states: Sequence[FullState]) -> dict[str, np.ndarray]:
+    if not machine.model.controllers:
+        return {}
+    motions = [machine.border_motion(state) for state in states]
+    motion = jax.tree.map(lambda *own: np.stack(own), *motions)
+    return control_series(machine.model, motion, motion.control.start)
 
 
 def _seen(machine: FullSystem, states: Sequence[FullState]) -> StationMotions | None:

@@ -1,0 +1,68 @@
+"""Outputs of controllers along a run, stored with its motion."""
+
+from __future__ import annotations
+
+import jax
+import numpy as np
+
+from supple.arrays import FloatArray
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import ControlState, ControlStep, SystemMotion
+from supple.equations.control_force import outputs
+from supple.equations.machine_model import Model
+from supple.errors import ModelError
+from supple.integrate import Solution
+from supple.machine import ForceElement, System
+from supple.programs.program_cache import CachedProgram
+
+
+def series_name(controller: str) -> str:
+    """Name in `Solution.series` of the outputs of a controller."""
+    return f"controller {controller}"
+
+
+def control_series(model: Model, motion: SystemMotion, control: ControlState | None) -> dict[str, FloatArray]:
+    """Outputs (t, c) of each controller by `series_name`; c values in the order of its driven elements.
+
+    motion, control : stacked, leading axis: time; None without controllers
+    """
+    if control is None:
+        return {}
+    n = len(np.asarray(motion.time))
+    # The length becomes a power of two: for other lengths the program would be compiled again.
+    more = (1 << (n - 1).bit_length()) - n if n else 1
+
+    def padded(leaf: np.ndarray) -> np.ndarray:
+        return np.pad(leaf, ((0, more), *((0, 0),) * (np.ndim(leaf) - 1)), mode="edge")
+
+    seen = motion._replace(control=ControlStep(control, np.zeros(n)))
+    values = jax.device_get(_along(model, jax.tree.map(lambda leaf: padded(np.asarray(leaf)), seen)))
+    return {series_name(law.name): own[:n] for law, own in zip(model.controllers, values, strict=True)}
+
+
+def added_to_law(system: System, solution: Solution, element: ForceElement) -> FloatArray | None:
+    """Outputs (t, ..) that a controller adds to the law of an element; None if none drives the element.
+
+    Raises ModelError for a solution without the outputs.
+    """
+    for own in system.controllers:
+        first = 0
+        for each in own.drives.values():
+            after = first + int(np.prod(each.value_shape))
+            if each is element:
+                name = series_name(own.name)
+                if name not in solution.series:
+                    raise ModelError(
+                        f"{element.label} is driven by controller '{own.name}', whose outputs this solution "
+                        "lacks: runs store them, except explicit ones"
+                    )
+                return solution.series[name][:, first:after].reshape(-1, *each.value_shape)
+            first = after
+    return None
+
+
+def _outputs_along(model: Model, motion: SystemMotion) -> tuple[jax.Array, ...]:
+    return jax.vmap(lambda now: outputs(model, now))(motion)
+
+
+_along = CachedProgram(_outputs_along, STARTING)
