@@ -102,6 +102,7 @@ def pendulum(*, full, rate=None):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # linear, as in both engines
 def test_it_rests_and_vibrates_as_with_a_reduced_body_in_the_place_of_the_full_one():
     """Two engines: the sparse one, and that of lines among floating bodies."""
     mixed, other = (pendulum(full=full) for full in (True, False))
@@ -218,6 +219,7 @@ def test_stiff_bodies_swing_as_a_compound_pendulum():
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # linear, as in both engines
 def test_a_machine_that_turns_has_the_modes_of_the_other_engine():
     def rotor(*, full):
         hub = RigidBody(
