@@ -8,6 +8,7 @@ from fixtures.runs_on_disk import bits
 from supple.errors import ResultFileError
 from supple.integrate.solution import concatenate
 from supple.storage import ResultFile, ResultParts, read_solution, result_reader
+from supple.storage.result_content import ResultContent
 
 
 @pytest.fixture
@@ -54,6 +55,20 @@ def test_a_damaged_chunk_is_found_before_it_is_given_out(path, monkeypatch):
     with pytest.raises(ResultFileError, match="damaged"):
         given.extend(parts)  # HDF5's own sums may find it, or the seal
     assert len(given) <= 7
+
+
+def test_a_part_that_the_run_is_writing_is_read_again(tmp_path, monkeypatch):
+    arrays, failures = ResultContent._arrays, iter([OSError("half of a block is written")])
+
+    def failing_once(content, begin, end):
+        for error in failures:
+            raise error
+        return arrays(content, begin, end)
+
+    with ResultFile.create(tmp_path / "run.h5", case="made up") as file:
+        file.append(make_solution())
+        monkeypatch.setattr(ResultContent, "_arrays", failing_once)
+        assert bits(concatenate(list(ResultParts(file.path)))) == bits(make_solution())
 
 
 def test_a_run_without_output_times_is_named(tmp_path):

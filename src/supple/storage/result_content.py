@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -170,25 +169,20 @@ class ResultContent:
         except DAMAGE as error:
             raise self._chunks_damaged({len(self._rows) - 1: str(error)}) from error
 
-    def parts(self, rows: NDArray[np.int64], n_rows: int) -> Iterator[Solution]:
-        """The solution at some output times (k,), ascending, in parts of at most n_rows rows of the file.
+    def part(self, rows: NDArray[np.int64], checked: set[int]) -> Solution:
+        """The solution at some output times (k,), ascending; k at least one.
 
-        Each chunk is checked by its seal, block by block, before its first part.
+        Chunks of these times are checked by their seals, block by block, unless `checked` has their numbers;
+        it receives them.
         """
         header = self.header
-        self._check_not_empty()
-        unchecked = deque(enumerate(self._spans()))
-        for start in range(0, header.n_times, n_rows):
-            end = min(start + n_rows, header.n_times)
-            chosen = rows[(rows >= start) & (rows < end)]
-            if not chosen.size:
-                continue
-            while unchecked and unchecked[0][1][0] < end:
-                number, span = unchecked.popleft()
-                if span[1] > start:
-                    self._check_sound(number, span)
-            arrays = {path: array[chosen - start] for path, array in self._arrays(start, end).items()}
-            yield from_arrays(arrays, header.statistics, self._layout.kinds)
+        begin, end = int(rows[0]), int(rows[-1]) + 1
+        for number, span in enumerate(self._spans()):
+            if number not in checked and span[0] < end and span[1] > begin:
+                self._check_sound(number, span)
+                checked.add(number)
+        arrays = {path: array[rows - begin] for path, array in self._arrays(begin, end).items()}
+        return from_arrays(arrays, header.statistics, self._layout.kinds)
 
     @property
     def row_bytes(self) -> int:

@@ -103,9 +103,12 @@ class ResultParts:
         self.times: NDArray[np.float64] = times[self.rows]
 
     def __iter__(self) -> Iterator[Solution]:
-        with file_errors("read", self.path), open_unmarked(self.path) as file:
-            content = ResultContent(self.path, file)
-            yield from content.parts(self.rows, max(1, _PART_BYTES // content.row_bytes))
+        checked: set[int] = set()
+        parts = self.rows // max(1, _PART_BYTES // _read(self.path, lambda content: content.row_bytes))
+        for number in np.unique(parts):
+            rows = self.rows[parts == number]
+            # Opened for each part, because a run in progress may write between two parts.
+            yield _read(self.path, lambda content, rows=rows: content.part(rows, checked))
 
 
 def _read(path: Path, wanted: Callable[[ResultContent], _T]) -> _T:
