@@ -72,6 +72,7 @@ def with_progress_bar(
             return found
 
         def watched(*args: P.args, **kwargs: P.kwargs) -> T:
+            """Do the work with a bar, unless the caller receives its progress."""
             if kwargs.get("progress") is not None:
                 return work(*args, **kwargs)
             with progress_bar(title) as share:
@@ -144,6 +145,7 @@ class _NotebookLine:
         self._shown_at = -math.inf
 
     def update(self, text: str, fraction: float | None) -> None:
+        """Show the description and the fraction, unless the last update is too recent."""
         if monotonic() - self._shown_at < BETWEEN:
             return
         self._shown_at = monotonic()
@@ -153,6 +155,7 @@ class _NotebookLine:
         self._handle.update({"text/plain": f"{text}{share}", "text/html": html}, raw=True)
 
     def stop(self) -> None:
+        """Empty the line."""
         self._handle.update({"text/plain": "", "text/html": ""}, raw=True)
 
 

@@ -87,14 +87,17 @@ class _ProgramWork:
         self._program, self._compiled, self._first = program, None, ()
 
     def prepare(self, arguments: Arguments) -> None:
+        """Compile the program, or load it from the cache."""
         self._first, self._compiled = arguments, self._program.compiled(*arguments)
 
     def here(self, arguments: Arguments) -> Any:
+        """The result of the compiled program, on one thread."""
         assert self._compiled is not None
         with one_blas_thread():
             return jax.device_get(self._compiled(*arguments))
 
     def greeting(self) -> Any:
+        """File of the program with the numbers of leaves in and out; None where it has no file."""
         assert self._compiled is not None
         file = self._program.file(*self._first)
         if file is None:
@@ -102,9 +105,11 @@ class _ProgramWork:
         return str(file), jax.tree.structure(self._first).num_leaves, self._compiled.out_tree.num_leaves
 
     def question(self, arguments: Arguments) -> Any:
+        """The leaves of the arguments."""
         return [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
 
     def result(self, answer: Any) -> Any:
+        """The tree of results from its leaves."""
         assert self._compiled is not None
         return jax.tree.unflatten(self._compiled.out_tree, answer)
 
@@ -129,6 +134,7 @@ def shared_out(work: Work, tasks: Sequence[Task]) -> Iterator[Finished]:
     work.prepare(arguments)
 
     def finished_here(number: int, arguments: Arguments) -> Finished:
+        """A task done in this process."""
         began = perf_counter()
         result = work.here(arguments)
         return Finished(number, perf_counter() - began, result)
