@@ -2,46 +2,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from importlib import import_module
 from pathlib import Path
+from typing import Annotated
+
+from typer import Option
 
 from supple.errors import ArgumentError
+
+AllowCode = Annotated[
+    bool,
+    Option(
+        "--allow-code",
+        help="Allow the Python file that the case names in `control`. Review it first: it can do anything.",
+    ),
+]
 
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """The options of the command, with their defaults.
+    """The options of the command that are not common to all outputs."""
 
-    body : names of bodies; by default all, or the only one that can be written
-    time : of the loads, of the state of a mode, or of a .vtu; by default the end of the run, for a mode 0
-    mode : number from 1, in order of frequency
-    times : FROM:TO:NUMBER, evenly spaced output times of a result; by default all
-    stress : whether files of runs for ParaView contain stress
-    case : present path of the case file of a result, as in `result_machine`
-    abaqus : write for Abaqus instead of CalculiX
-    superelement : write the reduced body in a deck
-    inputs : names of joints, springs and elements whose laws become inputs
-    fmi : version of FMI, 2 or 3; by default 3
-    platforms : operating systems of the libraries of an FMU; by default this computer's
-    linear : export the machine linearised about its equilibrium, as matrices
-    allow_code : whether the controllers of the case may run
-    """
-
-    body: Sequence[str] | None = None
-    time: float | None = None
-    mode: int | None = None
-    times: str | None = None
-    stress: bool = True
-    case: Path | None = None
-    abaqus: bool = False
-    superelement: bool = False
-    inputs: Sequence[str] | None = None
-    fmi: int | None = None
-    platforms: Sequence[str] | None = None
-    linear: bool = False
-    allow_code: bool = False
+    body: Annotated[
+        list[str] | None,
+        Option(help="Name of a body; default: all. For ParaView also several (--body A --body B)."),
+    ] = None
+    time: Annotated[
+        float | None,
+        Option(help="Time of a .vtu file or of the loads of a deck; default: the end of the run."),
+    ] = None
+    mode: Annotated[
+        int | None, Option(min=1, help="Number of the mode to write for ParaView; 1: the lowest.")
+    ] = None
+    times: Annotated[str | None, Option(help="FROM:TO:NUMBER: NUMBER times of a result; default: all.")] = (
+        None
+    )
+    stress: Annotated[
+        bool, Option("--stress/--no-stress", help="With or without stress in files of runs for ParaView.")
+    ] = True
+    case: Annotated[Path | None, Option(help="Case file of a result, if this file was moved.")] = None
+    abaqus: Annotated[bool, Option("--abaqus", help="Write a deck for Abaqus instead of CalculiX.")] = False
+    superelement: Annotated[
+        bool,
+        Option(
+            "--superelement",
+            help="Write the reduced body as a superelement: a deck to include in another deck.",
+        ),
+    ] = False
+    inputs: Annotated[
+        list[str] | None,
+        Option("--input", help="Joint, spring or element whose law is an input of the C code or the FMU."),
+    ] = None
+    fmi: Annotated[int | None, Option(min=2, max=3, help="Version of FMI; default: 3.")] = None
+    platforms: Annotated[
+        list[str] | None,
+        Option(
+            "--platform",
+            help="Operating system for which an FMU is built: linux, windows or macos (needs supple[fmu]); "
+            "default: that of this computer, with its compiler.",
+        ),
+    ] = None
+    linear: Annotated[
+        bool,
+        Option(
+            "--linear", help="Write an FMU with the matrices of the machine linearised about its equilibrium."
+        ),
+    ] = False
+    allow_code: AllowCode = False
 
     @property
     def given(self) -> list[str]:

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import gc
+from collections.abc import Callable
+from dataclasses import fields
+from functools import wraps
+from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_type_hints
 
 import typer
 from typer.core import TyperGroup
 
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
+from supple.cli.export import AllowCode, ExportOptions
+from supple.cli.export import export as write_export
 from supple.errors import ArgumentError
 from supple.progress import show_progress
 from supple.terminal import console, print_rows, reported_errors, reported_warnings, say, show_any_character
@@ -57,13 +63,6 @@ Folder = Annotated[
 Instant = Annotated[
     float, typer.Option(help="Time at which loads and laws are evaluated, in the case's unit of time.")
 ]
-AllowCode = Annotated[
-    bool,
-    typer.Option(
-        "--allow-code",
-        help="Allow the Python file that the case names in `control`. Review it first: it can do anything.",
-    ),
-]
 NoErrors = Annotated[
     bool,
     typer.Option(
@@ -85,6 +84,27 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         console.print(f"supple {__version__}", highlight=False)
         raise typer.Exit
+
+
+def with_options(kind: type[ExportOptions]) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Decorator: the fields of a dataclass become options of a command, which receives it as `options`."""
+    types = get_type_hints(kind, include_extras=True)
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def called(**given: Any) -> None:
+            options = kind(**{name: given.pop(name) for name in types})
+            command(**given, options=options)
+
+        *own, _ = signature(command, eval_str=True).parameters.values()
+        more = [
+            Parameter(each.name, Parameter.KEYWORD_ONLY, default=each.default, annotation=types[each.name])
+            for each in fields(kind)
+        ]
+        vars(called)["__signature__"] = Signature([*own, *more])
+        return called
+
+    return decorate
 
 
 @app.callback()
@@ -280,6 +300,7 @@ def modes(
 
 
 @app.command()
+@with_options(ExportOptions)
 def export(
     path: Annotated[Path, typer.Argument(help="Result of a run (.h5), or a case file (.toml).")],
     output: Annotated[
@@ -293,90 +314,20 @@ def export(
             "for co-simulation (.fmu).",
         ),
     ] = None,
-    body: Annotated[
-        list[str] | None,
-        typer.Option(help="Name of a body; default: all. For ParaView also several (--body A --body B)."),
-    ] = None,
-    time: Annotated[
-        float | None,
-        typer.Option(help="Time of a .vtu file or of the loads of a deck; default: the end of the run."),
-    ] = None,
-    mode: Annotated[
-        int | None,
-        typer.Option(min=1, help="Number of the mode to write for ParaView; 1: the lowest."),
-    ] = None,
-    times: Annotated[
-        str | None, typer.Option(help="FROM:TO:NUMBER: NUMBER times of a result; default: all.")
-    ] = None,
-    stress: Annotated[
-        bool,
-        typer.Option("--stress/--no-stress", help="With or without stress in files of runs for ParaView."),
-    ] = True,
-    case: Annotated[
-        Path | None, typer.Option("--case", help="Case file of a result, if this file was moved.")
-    ] = None,
-    abaqus: Annotated[
-        bool, typer.Option("--abaqus", help="Write a deck for Abaqus instead of CalculiX.")
-    ] = False,
-    superelement: Annotated[
-        bool,
-        typer.Option(
-            "--superelement",
-            help="Write the reduced body as a superelement: a deck to include in another deck.",
-        ),
-    ] = False,
     c: Annotated[
         Path | None, typer.Option("--c", help="Folder for the machine in C: source, header, test, Makefile.")
     ] = None,
-    inputs: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--input", help="Joint, spring or element whose law is an input of the C code or the FMU."
-        ),
-    ] = None,
-    fmi: Annotated[int | None, typer.Option(min=2, max=3, help="Version of FMI; default: 3.")] = None,
-    platforms: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--platform",
-            help="Operating system for which an FMU is built: linux, windows or macos (needs supple[fmu]); "
-            "default: that of this computer, with its compiler.",
-        ),
-    ] = None,
-    linear: Annotated[
-        bool,
-        typer.Option(
-            "--linear", help="Write an FMU with the matrices of the machine linearised about its equilibrium."
-        ),
-    ] = False,
-    allow_code: AllowCode = False,
     debug: Debug = False,
+    *,
+    options: ExportOptions,
 ) -> None:
     """Export a run (for ParaView, or as tables), a mode (for ParaView), a body (as a deck, or for other
     programs), or a machine (C source with --c FOLDER, FMU for co-simulation with -o FILE.fmu).
 
     A deck for Abaqus or CalculiX contains one body, clamped at its joints.
     """
-    from supple.cli.export import ExportOptions
-    from supple.cli.export import export as write
-
     with reported_errors(debug=debug), reported_warnings():
-        given = ExportOptions(
-            body=body,
-            time=time,
-            mode=mode,
-            times=times,
-            stress=stress,
-            case=case,
-            abaqus=abaqus,
-            superelement=superelement,
-            inputs=inputs,
-            fmi=fmi,
-            platforms=platforms,
-            linear=linear,
-            allow_code=allow_code,
-        )
-        write(path, output, c, given)
+        write_export(path, output, c, options)
 
 
 @app.command()
