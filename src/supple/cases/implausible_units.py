@@ -59,29 +59,25 @@ def warn_of_units(case: Case) -> None:
     -----
     UnitsWarning    the number, its value in SI units, the usual value
     """
-    doubts = list(_of_gravity(case.units, case.tables.gravity))
+    units, gravity = case.units, float(np.linalg.norm(case.tables.gravity))
+    doubts = list(_outside(units, "gravity", gravity, units.acceleration, _GRAVITY)) if gravity else []
     for name, body in case.flexible.items():
-        doubts += [f"body '{name}': {doubt}" for doubt in _of_body(case.units, body)]
+        doubts += [f"body '{name}': {doubt}" for doubt in _of_body(units, body)]
     if any(table.explicit is not None for table in case.parts.body):
         for name, part in case.system.bodies_of(ElementPart).items():
-            doubts += [f"body '{name}': {doubt}" for doubt in _of_part(case.units, part)]
+            doubts += [f"body '{name}': {doubt}" for doubt in _of_part(units, part)]
     _warn(doubts)
 
 
 def warn_of_frequencies(units: UnitSystem, bodies: Iterable[ReducedBody]) -> None:
     """Issue UnitsWarning if the first frequency of a reduced body in its frame is implausible."""
     lowest = ((body.name, body.lowest_frequency() / (2 * np.pi)) for body in bodies)
+    unit = "Hz" if units.time == SI.time else units.composed(time=-1)
     _warn(
         f"body '{name}': {doubt}"
         for name, frequency in lowest
-        for doubt in _outside(units, "the first frequency", frequency, _per(units), _FREQUENCY)
+        for doubt in _outside(units, "the first frequency", frequency, unit, _FREQUENCY)
     )
-
-
-def _of_gravity(units: UnitSystem, gravity: Iterable[float]) -> Iterator[str]:
-    size = float(np.linalg.norm(np.array(gravity)))
-    if size > 0:
-        yield from _outside(units, "gravity", size, units.acceleration, _GRAVITY)
 
 
 def _of_body(units: UnitSystem, body: FlexibleBody) -> list[str]:
@@ -151,10 +147,6 @@ def _outside(units: UnitSystem, what: str, value: float, unit: str, usual: _Rang
         seen = f"{value:.3g} {unit}"
         in_si = "" if factor == 1.0 else f", which is {factor * value:.3g} {si}"
         yield f"{what} is {seen}{in_si}; {usual.example}"
-
-
-def _per(units: UnitSystem) -> str:
-    return "Hz" if units.time == SI.time else units.composed(time=-1)
 
 
 def _warn(doubts: Iterable[str]) -> None:

@@ -242,13 +242,11 @@ def machine_outputs(case: Case, system: System) -> list[Quantity]:
     sensors = list(case.sensors)
     tracked = [PositionSensor(name, place) for name, place in case.track.items()]
     joints = [
-        JointMotionSensor(joint.name, joint.name) for joint in system.joints if _moves_along_axis(joint)
+        JointMotionSensor(joint.name, joint.name)
+        for joint in system.joints
+        if type(joint) in (Revolute, Prismatic, Cylindrical)
     ]
     taken = {sensor.name for sensor in sensors}
     seen = {sensor.joint for sensor in sensors if isinstance(sensor, JointMotionSensor)}
     sensors += [each for each in tracked if each.name not in taken]
     return [*sensors, *(each for each in joints if each.name not in taken and each.joint not in seen)]
-
-
-def _moves_along_axis(joint: Joint) -> bool:
-    return type(joint) in (Revolute, Prismatic, Cylindrical)

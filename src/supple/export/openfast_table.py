@@ -5,7 +5,6 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterable
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,13 +49,10 @@ def write_outb(path: Path, readings: Readings, units: UnitSystem) -> None:
         file.write(struct.pack("<i", 0))  # length of the description
         for word in names + named_units:
             file.write(word.ljust(length))
-        _write_packed(file, columns.values, scales, offsets)
-
-
-def _write_packed(file: BinaryIO, values: FloatArray, scales: NDArray, offsets: NDArray) -> None:
-    for start in range(0, len(values), _ROWS):
-        packed = np.rint(values[start : start + _ROWS] * scales.astype(float) + offsets.astype(float))
-        file.write(packed.astype("<i2").tobytes())
+        for start in range(0, n_times, _ROWS):
+            rows = columns.values[start : start + _ROWS]
+            packed = np.rint(rows * scales.astype(float) + offsets.astype(float))
+            file.write(packed.astype("<i2").tobytes())
 
 
 def _equal_steps(times: FloatArray) -> tuple[float, float]:

@@ -200,7 +200,8 @@ def _write_mesh(file: TextIO, model: FiniteElementModel, program: DeckProgram, s
     np.savetxt(
         file, np.column_stack([np.arange(1, len(places) + 1), places]), fmt=", ".join(["%d", *3 * [_REAL]])
     )
-    first = _first_numbers(model)
+    sizes = [len(cells) for cells in mesh.cells.values()]
+    first = dict(zip(mesh.cells, np.cumsum([1, *sizes[:-1]]).tolist(), strict=True))
     for number, section in enumerate(model.sections, 1):
         kind = _SOLID_TYPES.get(section.cell_type, program.shell)
         kind += "I" if section.has_incompatible_modes else "R" if section.reduced else ""
@@ -252,12 +253,6 @@ def _numbers_in_lines(count: int) -> str:
     """Format of `count` numbers; a comma at the end of a line continues them on the next one."""
     lines = [", ".join(["%d"] * min(_ON_A_LINE, count - at)) for at in range(0, count, _ON_A_LINE)]
     return ",\n".join(lines)
-
-
-def _first_numbers(model: FiniteElementModel) -> dict[CellType, int]:
-    """Number of the first element of each type."""
-    sizes = [len(cells) for cells in model.mesh.cells.values()]
-    return dict(zip(model.mesh.cells, np.cumsum([1, *sizes[:-1]]).tolist(), strict=True))
 
 
 def _section_name(number: int) -> str:

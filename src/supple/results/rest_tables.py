@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from numpy.typing import ArrayLike
-
 from supple.results.round_off import without_noise
 from supple.results.run_tables import (
     Numbers,
@@ -59,18 +55,15 @@ def _place_tables(numbers: Numbers) -> list[TextTable]:
                 without_noise(place[f"last {what}"], like=everywhere),
             )
             if is_known:
-                words = _error_words(errors[name], like=everywhere)
+                error = errors[name]
+                known = () if error is None else without_noise(error, like=everywhere)
+                words = [f"{each:.2g}" for each in known] or ["unknown"] * 3
                 own = [[*row, word] for row, word in zip(own, words, strict=True)]
             rows += own
         if is_known:
             heads.append(head(numbers, "error of the basis", "length"))
         tables.append(TextTable(f"{what.capitalize()}s", tuple(heads), rows))
     return tables
-
-
-def _error_words(error: Sequence[float] | None, like: ArrayLike) -> list[str]:
-    """The error along x, y and z; zero where it is round-off relative to the positions of all places."""
-    return ["unknown"] * 3 if error is None else [f"{each:.2g}" for each in without_noise(error, like=like)]
 
 
 def rest_error_table(numbers: Numbers) -> TextTable:

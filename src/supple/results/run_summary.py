@@ -20,7 +20,7 @@ from supple.quantities.contact_force import contact_forces
 from supple.quantities.force_sensors import joint_loads, joint_meanings
 from supple.quantities.stress_history import largest_stress
 from supple.quantities.tracked_motion import TrackedMotion
-from supple.reduction import Locking, ReducedBody, clamped_modes
+from supple.reduction import ReducedBody, clamped_modes
 from supple.results.explicit_fields import has_explicit_elements, largest_part_stress
 from supple.results.explicit_numbers import march_numbers, part_numbers
 from supple.results.run_start import start_numbers
@@ -150,7 +150,13 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | N
         in_frame = _lowest(full, full.frame.constraint(full.body))
         held = {i.name: _lowest(full, i.motion) for i in full.interfaces}
     proven, hertz = body.report.certificate, units.frequency_shown.unit
-    locking = body.report.locking
+    further: dict[str, Any] = {} if proven is None else {"eigenvalues": str(proven)}
+    if (locking := body.report.locking) is not None:
+        further["locking"] = {
+            "largest": locking.largest_remaining,
+            "largest without condensation": locking.largest_plain,
+            "without condensation": dict(zip(locking.loads, locking.plain.tolist(), strict=True)),
+        }
     return {
         "mass": body.mass,
         "nodes": len(body.nodes),
@@ -164,8 +170,7 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | N
         headed("frequencies held", hertz): {name: _shown(each, units) for name, each in held.items()},
         **({"damping ratios held": damped} if damped else {}),
         "frequencies of": "the basis" if full is None else "the body",
-        **({} if proven is None else {"eigenvalues": str(proven)}),
-        **({} if locking is None else {"locking": _locking_numbers(locking)}),
+        **further,
         "seconds": dict(body.report.seconds),
     }
 
@@ -192,14 +197,6 @@ def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem) -> dict[str, A
             else {headed("frequencies held", hertz): {held: lowest}}
         ),
         "orthonormality": {"velocities": first, "forces": second},
-    }
-
-
-def _locking_numbers(locking: Locking) -> dict[str, Any]:
-    return {
-        "largest": locking.largest_remaining,
-        "largest without condensation": locking.largest_plain,
-        "without condensation": dict(zip(locking.loads, locking.plain.tolist(), strict=True)),
     }
 
 

@@ -143,8 +143,8 @@ def run_sweep(
                 if error is None:
                     done.add(share)
                     report()
-                elif _is_death(error):
-                    errors.append(error)
+                elif isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker":  # of Dask
+                    errors.append(error)  # a process was killed; the task did not raise it
                 elif isinstance(error, CancelledError):
                     raise SuppleError(
                         "the tasks of the sweep were cancelled, usually because the cluster lost its "
@@ -164,11 +164,6 @@ def run_sweep(
             ) from errors[-1]
     report()
     return sweep_status(folder)
-
-
-def _is_death(error: BaseException) -> bool:
-    """Whether an error means that a process was killed, not that its task raised it."""
-    return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"  # of Dask
 
 
 def _marks(folder: Path, shares: Iterable[int]) -> int:

@@ -156,8 +156,10 @@ def read_sweep_file(path: str | Path) -> SweepFile:
     if tables.table is not None:
         files.append(path.parent / tables.table)
         parts.append(_of_csv(files[0]))
-    if tables.sample is not None:
-        parts.append(_of_sample(tables.sample))
+    if (sample := tables.sample) is not None:
+        method = Sobol if sample.method == "sobol" else LatinHypercube
+        of = {name: _table_of_draws(given)[0].build() for name, given in sample.of.items()}
+        parts.append(sampled(of, method(sample.number, sample.seed)))
     if tables.vary:
         parts.append(full_factorial({name: _listed_values(own) for name, own in tables.vary.items()}))
     number = int(np.prod([len(part) for part in parts], dtype=object))
@@ -243,12 +245,6 @@ def _listed_values(given: Any) -> list[Any]:
     made, _ = _table_of_values(given)
     assert made is not None  # mistakes are found before
     return made.values()
-
-
-def _of_sample(table: _Sample) -> CaseTable:
-    method = Sobol if table.method == "sobol" else LatinHypercube
-    of = {name: _table_of_draws(given)[0].build() for name, given in table.of.items()}
-    return sampled(of, method(table.number, table.seed))
 
 
 def _of_csv(path: Path) -> CaseTable:

@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel
-from supple.integrate import FramedMotion, Motion, Solution
+from supple.integrate import FramedMotion, Solution
 from supple.machine import At, System
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import deflections, largest_stress, observer, observer_of, von_mises_by_end
@@ -137,7 +137,8 @@ def draw_deformed(
 ) -> Path:
     """Picture of the body at its largest deflection, enlarged if it is too small to see."""
     body, surface = drawn.body, drawn.surface
-    instants, motion = _sampled(body, solution)
+    instants = drawn_instants(solution.times, N_INSTANTS)
+    motion = solution.bodies[body.name].at(instants)
     displaced = deflections(body, motion, observer_of(system, solution, body.name, bases, instants))
     worst = int(np.argmax(np.linalg.norm(displaced, axis=2).max(axis=1)))
     then = instants[[worst]]
@@ -191,12 +192,6 @@ def draw_stress(path: Path, drawn: DrawnBody, model: FiniteElementModel, solutio
         title=_title(drawn, float(solution.times[worst]), scale),
         units=drawn.units,
     )
-
-
-def _sampled(body: BodyForm, solution: Solution) -> tuple[np.ndarray, Motion]:
-    """Output times to search for the largest value, and the motion of a body at them."""
-    instants = drawn_instants(solution.times, N_INSTANTS)
-    return instants, solution.bodies[body.name].at(instants)
 
 
 def drawn_instants(times: np.ndarray, number: int) -> np.ndarray:

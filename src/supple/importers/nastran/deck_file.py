@@ -16,9 +16,7 @@ from supple.importers.deck import (
     DeckElements,
     LeftOut,
     NodalMatrix,
-    RigidTie,
     ScalarTerms,
-    WeightedMean,
 )
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile, read_bulk_data
 from supple.importers.nastran.case_control import read_case_control
@@ -295,7 +293,7 @@ def _deck(reading: DeckReading) -> Deck:
         nodes,
         tuple(elements),
         properties,
-        node_sets | _tied_sets(rigid, means),
+        node_sets | {tie.name: tie.nodes for tie in (*rigid, *means)},
         _element_sets(elements),
         masses=(*reading.masses, *matrices["M2GG"]),
         stiffnesses=tuple(matrices["K2GG"]),
@@ -421,10 +419,6 @@ def _counted(file: BulkFile) -> tuple[dict[str, int], dict[str, int]]:
     counts = {name: len(cards) for name, cards in file.by_name.items()}
     read = {name: count for name, count in counts.items() if name in _READ}
     return read, {n: count for n, count in counts.items() if n not in _READ and has_no_effect(n)}
-
-
-def _tied_sets(rigid: list[RigidTie], means: list[WeightedMean]) -> dict[str, IntArray]:
-    return {tie.name: tie.nodes for tie in (*rigid, *means)}
 
 
 def _element_sets(elements: list[DeckElements]) -> dict[str, IntArray]:
