@@ -138,7 +138,7 @@ def _target(path: Path, output: Path | None, options: ExportOptions) -> _Target:
     rows = (
         (output is None, _Target("a machine as C", machine, "export_machine:export_c")),
         (suffix == ".fmu", _Target("an FMU", fmu, "export_machine:export_fmu")),
-        (options.mode is not None, _Target("a mode", ("mode", "body", "time"), "export_mode:export_mode")),
+        (options.mode is not None, _Target("a mode", ("mode", "body", "time"), "export_result:export_mode")),
         (
             options.superelement,
             _Target("a deck with a superelement", ("superelement", "body", "abaqus"), body),

@@ -1,4 +1,4 @@
-"""Write the run in a result file for ParaView, or as a table."""
+"""Write the run in a result file for ParaView or as a table, or a mode of a case for ParaView."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.cases import read_case
+from supple.cases.modes_case import mode_case
 from supple.cases.result_machine import ResultMachine, result_machine
 from supple.cases.result_tables import recorded_quantities
 from supple.cases.run_files import check_not_an_input
@@ -142,3 +144,26 @@ def _with_stress(
         except ModelError as error:
             say(f"no stress of body '{name}': {error}")
     return known
+
+
+def export_mode(path: Path, target: Path, options: ExportOptions) -> None:
+    """Write one period (.vtkhdf) or phase 0 (.vtu) of a mode of the machine of the case at `path`.
+
+    Raises
+    ------
+    ArgumentError       not a case; another suffix
+    ModelError          as `machine_modes` and the writers
+    ResultFileError     a file that cannot be written
+    """
+    assert options.mode is not None
+    suffix = target.suffix.lower()
+    if path.suffix.lower() != ".toml" or suffix not in _PICTURES:
+        raise ArgumentError("--mode needs a case (.toml) and a file .vtkhdf or .vtu")
+    with shown_step("reading") as notify:
+        case = read_case(path, notify)
+        check_not_an_input(case, [target])
+        system, motion = mode_case(case, options.mode, time=options.time or 0.0)
+        write, shown = (write_vtu, motion.at(slice(1))) if suffix == ".vtu" else (write_vtkhdf, motion)
+        bodies = case.names_in_machine(options.body or ()) or None
+        write(target, system, shown, case.meshes, bodies=bodies, bases=case.bases, units=case.units)
+    say(f"mode {options.mode} written to {target}")

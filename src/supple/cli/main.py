@@ -137,7 +137,7 @@ def run(
     """Simulate a case file; write results (HDF5, JSON), report (HTML), pictures (PNG) and animation (GIF)."""
     # Imported here, because the solvers take seconds to load, and help and version do not need them.
     from supple.algebra.jax_settings import keep_compiled_programs
-    from supple.cli.run_case import run_case
+    from supple.cli.computed_case import run_case
 
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
@@ -254,7 +254,7 @@ def static(
 ) -> None:
     """Find the equilibrium of the machine of a case file; with a [spin] table, that in steady rotation."""
     from supple.algebra.jax_settings import keep_compiled_programs
-    from supple.cli.static_case import static_case
+    from supple.cli.computed_case import static_case
 
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
@@ -283,7 +283,7 @@ def modes(
 ) -> None:
     """Find the modes of the machine of a case file about its equilibrium; draw and animate them."""
     from supple.algebra.jax_settings import keep_compiled_programs
-    from supple.cli.modes_case import modes_case
+    from supple.cli.computed_case import modes_case
 
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()

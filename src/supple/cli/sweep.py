@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from supple.cli.shown_case import stated_interruption
+from supple.cli.computed_case import stated_interruption
 from supple.errors import ArgumentError
 from supple.sweeps import (
     Cluster,
