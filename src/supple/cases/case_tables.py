@@ -21,13 +21,12 @@ from supple.cases import (
     sensors,
     simulation,
     spin,
-    springs,
     stated_error,
 )
 from supple.cases.bodies import Body
 from supple.cases.contacts import ContactTable, SupportTable, TieTable
 from supple.cases.control import control_file
-from supple.cases.elements import ElementTable
+from supple.cases.elements import ElementTable, SpringTable
 from supple.cases.ends import place_exists
 from supple.cases.joints import JointTable
 from supple.cases.laws import tables_suit_the_run
@@ -38,7 +37,6 @@ from supple.cases.parameter_path import ParameterTable
 from supple.cases.sensors import Sensor
 from supple.cases.simulation import Simulation
 from supple.cases.spin import SpinTable
-from supple.cases.springs import SpringTable
 from supple.cases.stated_error import StatedError
 from supple.cases.table import named_in
 from supple.errors import ModelError
@@ -99,7 +97,6 @@ RULES: tuple[Rule, ...] = (
     *joints.RULES,
     *condense.RULES,
     *loads.RULES,
-    *springs.RULES,
     *elements.RULES,
     *contacts.RULES,
     *control.RULES,

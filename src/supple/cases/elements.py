@@ -1,4 +1,4 @@
-"""The force elements of a case between two interfaces, other than springs."""
+"""The springs and the other force elements of a case between two interfaces."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from supple import machine
 from supple.cases.laws import ONE, LoadLaw
-from supple.cases.shared_rules import End, axes_with_length, usable_names
+from supple.cases.shared_rules import End, InterfaceOf, axes_with_length, usable_names
 from supple.cases.table import Key, Made, OneOf, part, table_of
 from supple.importers.toml import (
     NUMBERS_OR_ROWS,
@@ -47,6 +47,32 @@ Squares = Annotated[tuple[Square, ...], Field(strict=False), BeforeValidator(_as
 
 def _has_rows(given: object) -> bool:
     return isinstance(given, list | tuple) and any(isinstance(each, list | tuple) for each in given)
+
+
+class Spring(Made):
+    """A spring and damper between two interfaces, or one and the ground."""
+
+    name: str | None = Field(None, description="for sensors")
+    first: End = Field(description="ground or BODY.INTERFACE")
+    second: InterfaceOf = Field(description="BODY.INTERFACE")
+
+
+_STIFFNESS = Key(default=...)
+StraightSpring = table_of(
+    machine.SpringDamper,
+    "straight",
+    Spring,
+    stiffness=_STIFFNESS,
+    rest_length=Key(name="free_length", default=None),
+)
+TorsionSpring = table_of(
+    machine.TorsionSpringDamper,
+    "torsion",
+    Spring,
+    stiffness=_STIFFNESS,
+    rest_angle=Key(float, "angle, rad", "free_angle"),
+)
+SpringTable = Annotated[Spring, OneOf(StraightSpring, TorsionSpring)]
 
 
 class Element(Made):
@@ -199,4 +225,10 @@ def _contacts_are_whole(raw: Raw) -> Mistakes:
             )
 
 
-RULES = (on_each("element", axes_with_length), _names_differ, _contacts_are_whole)
+RULES = (
+    on_each("spring", axes_with_length),
+    lambda raw: usable_names(raw, "spring"),
+    on_each("element", axes_with_length),
+    _names_differ,
+    _contacts_are_whole,
+)

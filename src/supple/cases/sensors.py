@@ -16,7 +16,7 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.importers.toml import Mistakes, Raw, tables, unknown
 from supple.machine import At, ForceElement, as_end
-from supple.storage.hdf5_name import name_taken_in_hdf5
+from supple.storage.dataset_labels import name_taken_in_hdf5
 
 
 class SensedCase(NamedTuple):
