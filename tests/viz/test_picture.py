@@ -10,7 +10,7 @@ import pytest
 
 from supple.mesh import skin_of, strip
 from supple.viz import plot_mesh
-from supple.viz.picture import Picture
+from supple.viz.style import Picture
 
 
 def test_a_notebook_shows_a_picture_where_a_mesh_is_drawn(tmp_path):

@@ -16,7 +16,7 @@ from supple.errors import ModelError, did_you_mean
 from supple.export.openfast_table import write_outb
 from supple.quantities import Reading, Readings
 from supple.storage.atomic_write import replacing
-from supple.storage.hdf5_name import name_taken_in_hdf5
+from supple.storage.dataset_labels import name_taken_in_hdf5
 from supple.units import UNNAMED, UnitSystem
 
 __all__ = ["TABLE_SUFFIXES", "write_readings"]
@@ -51,7 +51,7 @@ def _write_hdf5(path: Path, readings: Readings, units: UnitSystem) -> None:
     for name in names:
         if reason := name_taken_in_hdf5(name, names):
             raise ModelError(f"sensor '{name}': {reason}")
-    # Built in memory, because a failed write crashes HDF5: see storage/disk_space.
+    # Built in memory, because a failed write crashes HDF5: see reserve_space.
     with h5py.File("image", "w", driver="core", backing_store=False) as file:
         file.create_dataset("time", data=times).attrs["unit"] = units.time
         for each in readings:

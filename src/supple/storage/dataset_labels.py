@@ -1,8 +1,8 @@
-"""Attributes of the datasets of a result file: unit, axes, columns, and the end that a force acts on."""
+"""Attributes of the datasets of a result file (unit, axes, columns, end of a force), and names of sensors."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from urllib.parse import unquote
 
 from supple.integrate import JOINT_AXES, JOINT_COMPONENTS
@@ -44,3 +44,17 @@ def dataset_labels(path: str, metadata: Mapping[str, object]) -> Labels:
 def second_end_key(joint: str) -> str:
     """The name in metadata of the end that a joint's forces act on."""
     return f"{joint}: second end"
+
+
+def name_taken_in_hdf5(name: str, names: Sequence[str]) -> str | None:
+    """Reason for which a sensor cannot have its name in an HDF5 file beside all names, or None."""
+    if name == "time":
+        return "the HDF5 file of the sensors has the output times under the name time; give another name"
+    if not name.strip("/"):
+        return "in HDF5, / separates groups; give another name"
+    above = next((other for other in names if name.startswith(f"{other}/")), None)
+    if above is not None:
+        return (
+            f"in HDF5, / separates groups: its name lies below that of sensor '{above}'; rename one of them"
+        )
+    return None

@@ -105,7 +105,7 @@ def write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> 
     words = (header.case, *map(json.dumps, (dict(header.metadata), dict(header.inputs), asdict(layout))))
     texts: dict[str, str] = dict(zip(TEXTS, words, strict=True))
     sealed = header_seal(texts)
-    # Built in memory, because HDF5 does not survive a failed write: see disk_space.
+    # Built in memory, because HDF5 does not survive a failed write: see reserve_space.
     with h5py.File("image", "w", driver="core", backing_store=False, libver="latest") as file:
         file.attrs["format"] = np.bytes_(FORMAT)
         file.attrs["version"] = VERSION

@@ -49,7 +49,7 @@ import numpy as np
 from supple.arrays import FloatArray
 from supple.errors import ResultFileError
 from supple.integrate.solution import Solution
-from supple.storage.disk_space import reserve_space
+from supple.storage.atomic_write import reserve_space
 from supple.storage.exclusive_lock import ExclusiveLock, is_at
 from supple.storage.file_errors import file_errors
 from supple.storage.hdf5_superblock import written_size

@@ -19,9 +19,8 @@ from supple.viz.film_file import check_film, played_rate, write_film
 from supple.viz.film_stage import Array8, Moving, Stage
 from supple.viz.glyphs import Glyphs
 from supple.viz.mesh_plot import check_positions
-from supple.viz.picture import Picture
 from supple.viz.shaded_surface import PixelWindow, page_around
-from supple.viz.style import textbook_style
+from supple.viz.style import Picture, textbook_style
 
 __all__ = ["Traces", "animate"]
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -16,7 +18,6 @@ from matplotlib.ticker import Formatter, ScalarFormatter
 
 from supple.errors import ModelError
 from supple.storage.atomic_write import replacing
-from supple.viz.picture import Picture
 
 __all__ = ["PUBLISHED", "REFERENCE", "SOLID", "Stroke"]
 
@@ -164,6 +165,22 @@ class _Numbers(Formatter):
     def get_offset(self) -> str:
         """The power of ten at the end of the axis."""
         return self._formulas.get_offset()
+
+
+_TYPES = {".png": "image/png", ".gif": "image/gif", ".svg": "image/svg+xml", ".jpg": "image/jpeg"}
+# Before Python 3.12 the class of a path depends on the system.
+_Path = Path if TYPE_CHECKING else type(Path())
+
+
+class Picture(_Path):
+    """Path of a picture; a notebook shows the picture, everything else uses the path."""
+
+    def _repr_html_(self) -> str | None:
+        kind = _TYPES.get(self.suffix.lower())
+        if kind is None or not self.is_file():
+            return None
+        content = b64encode(self.read_bytes()).decode("ascii")
+        return f'<img src="data:{kind};base64,{content}" alt="{escape(self.name)}" style="max-width: 100%">'
 
 
 def save_figure(figure: Figure, path: Path | str) -> Picture:

@@ -28,8 +28,7 @@ from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.simulation.recorded_columns import check_motions
 from supple.storage import ResultParts
-from supple.storage.atomic_write import replacing
-from supple.storage.disk_space import reserve_space
+from supple.storage.atomic_write import replacing, reserve_space
 from supple.units import UNNAMED, UnitSystem
 
 __all__ = ["write_vtkhdf"]
@@ -87,7 +86,7 @@ def write_vtkhdf(
     pieces = pieces_of(system, meshes, bodies)
     fields = fields_of(system, pieces, elements, bases, units)
     with replacing(path) as temporary:
-        # Built in memory, then extended in reserved space: a failed write crashes HDF5 (disk_space).
+        # Built in memory, then extended in reserved space: a failed write crashes HDF5 (reserve_space).
         with h5py.File("image", "w", driver="core", backing_store=False) as file:
             group = file.create_group("VTKHDF")
             _write_grid(group, pieces)
