@@ -238,6 +238,16 @@ def test_what_no_case_can_be_is_refused_before_anything_runs(pendulum, tmp_path)
     assert not (tmp_path / "out").exists()
 
 
+def test_a_sensor_that_cannot_be_built_is_refused_once(pendulum, tmp_path):
+    sensor = '\n[[sensor]]\nname = "cut"\nkind = "section-force"\nat = "bob.pin"\nnormal = [1, 0, 0]\n'
+    pendulum.write_text(pendulum.read_text() + sensor)
+    with pytest.raises(CaseError, match=r"sensor\[1\]: sensor 'cut': body 'bob' is rigid"):
+        sweep(pendulum, TABLE, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    plan = make_plan(pendulum, CaseTable({"sensor.cut.at": ["bob.pin"]}), SweepOutput())
+    assert plan.n_cases == 1  # its sensors are those of its cases
+
+
 def test_a_last_key_of_some_cases_is_no_mistake_of_the_plan(pendulum):
     """A sine has an amplitude, a ramp has none."""
     law = 'law = { kind = "ramp", value = 1.0, duration = 1.0 }'

@@ -32,6 +32,7 @@ from supple.storage.run_inputs import Inputs, changes, digest_of
 from supple.storage.sealed_hdf5 import open_sealed, writing_sealed
 from supple.sweeps.body_numbers import DAMPING_NUMBERS, is_number_of_run
 from supple.sweeps.case_table import CaseTable
+from supple.sweeps.fatigue_loads import planned_channels
 from supple.sweeps.part_file import NAMES_OF_RESULTS
 from supple.sweeps.sweep_file import SweepOutput
 from supple.units import UnitSystem
@@ -169,7 +170,8 @@ def make_plan(
     ------
     CaseError   a path that does not exist, or whose last key no case can have, or of the units; two paths to
                 one value; a controller without `allow_code`, or together with a requested accuracy; an
-                unknown case in `keep`; unknown channels, nodes or wind speed in `output.fatigue`
+                unknown case in `keep`; unknown channels, nodes or wind speed in `output.fatigue`; a sensor
+                that cannot be built
     """
     family = case_family(case_file)
     family.case.check_control(allow_code=allow_code)
@@ -182,6 +184,8 @@ def make_plan(
     _check_columns(table, output, family.raw)
     places = {path: parameter_path(path, family.raw) for path in table.columns if path not in output.labels}
     _check_places(places)
+    if family.case.tables.sensor and not any(place[0] == "sensor" for place in places.values()):
+        planned_channels(family.case)  # a sensor that cannot be built would fail in every case
     _check_last_keys(family, table, places)
     finds_modes = _finds_modes(family.raw, places.values())
     apart = [
