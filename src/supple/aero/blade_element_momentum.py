@@ -78,8 +78,6 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
 
     Parameters
     ----------
-    rotor : Rotor
-    operation : Operation
     radius : float array (k,)       m
     wind : float array (..., k)     undisturbed axial wind V at these radii, m/s, above zero
     Returns

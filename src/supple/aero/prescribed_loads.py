@@ -87,9 +87,6 @@ def prescribed_forces(
 
     Parameters
     ----------
-    rotor : Rotor
-    operation : Operation
-    wind : Wind
     span : float array (k,)     m, of the nodes from root to tip, such as those of the leading edge
     hub_radius : float          m
     times : float array (t,)    s

@@ -45,7 +45,6 @@ class Case:
     """A checked case file. Its parts are read and built once, on first use.
 
     path : Path             path of the file; file names in it are relative to its folder
-    text : str              text of the file
     tables : CaseTables     checked content of the file
     lines : LineIndex       line of each table
     notify                  called at each long step of the build, with its progress

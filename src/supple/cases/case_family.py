@@ -21,7 +21,6 @@ from supple.importers.toml import UNKNOWN_KEY, KeyPath, Raw, checked, index_line
 class CaseFamily:
     """A case file, and the cases that differ from it in some values.
 
-    path, text : path and text of the file
     raw : tables of the file, with the tables of a machine file and the interfaces of reduced bodies added
     """
 

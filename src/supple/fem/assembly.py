@@ -253,7 +253,6 @@ def assemble(model: FiniteElementModel, expansion: SparseArray | None = None) ->
 
     Parameters
     ----------
-    model : FiniteElementModel
     expansion : sparse array (n_nodal, n) or None
             T of u = T q; an empty row fixes its freedom, a row of several entries ties it (rigid interfaces);
             the identity when None

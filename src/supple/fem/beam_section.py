@@ -30,7 +30,6 @@ class BeamSection:
 
     Parameters
     ----------
-    material : Isotropic
     area : float                        m^2
     I1, I2 : float                      second moments for bending in the x-y and in the x-z plane, m^4
     J : float                           torsion constant, m^4; where I1, I2 or J is 0, its moment is zero

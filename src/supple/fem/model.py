@@ -58,7 +58,6 @@ class FiniteElementModel:
 
     Parameters
     ----------
-    mesh : Mesh
     dofs_per_node : int                     3 (ux uy uz), or 6 (and rx ry rz) if any element has nodal
         rotations
     sections : tuple of Section             each: cells of one type with one material or section

@@ -30,7 +30,6 @@ class Section:
 
     Parameters
     ----------
-    cell_type : CellType
     cells : int array (E,)                      numbers of the cells within their type
     property : ShellSection (shells), BeamSection, CoupledBeamSection or RodSection (lines), Isotropic or
                Anisotropic (solids)

@@ -28,7 +28,6 @@ class HomogeneousSection:
 
     Parameters
     ----------
-    material : Isotropic
     thickness : float       t > 0, m
     offset : float          z, distance of the mid-surface from the nodes, along the normal, m
     added_mass : float      non-structural mass at the mid-surface, kg/m^2

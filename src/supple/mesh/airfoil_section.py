@@ -40,7 +40,6 @@ class AirfoilSection:
 
     Parameters
     ----------
-    name : str
     outline : float array (p, 2)    x/c, y/c from the trailing edge around the leading edge and back, either
                                     side first; each side must be a function of x/c
     trailing_edge : TrailingEdge    part of the chord over which the two ends are joined

@@ -94,11 +94,6 @@ def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = Blade
     and a depth of `d` cells, and no centre splits, there are
         N = n (s + 1) + 2 (w + 1)(d - 1) nodes,   F = 2 n s + 4 w d triangles.
 
-    Parameters
-    ----------
-    stations : BladeStations
-    webs : ShearWebs
-    grid : BladeGrid
     Returns
     -------
     Mesh   node sets root, tip (rings), leading_edge, trailing_edge (root to tip); cell sets skin, web_fore,

@@ -30,8 +30,6 @@ class CellType(Enum):
     begin with the corners of the bottom; those of the top follow. Both are right-handed about the axis from
     bottom to top.
 
-    meshio_name : name of the cell type in meshio
-    n_nodes, n_corners : numbers of nodes and of corners
     dimension : 1 line, 2 surface, 3 solid
     edges : pairs of corners
     faces : corners of each face, right-handed about the outward normal; a triangle has one face, a line none

@@ -114,7 +114,6 @@ def connecting_rod(outline: RodOutline, cells: RodCells, cell_type: CellType) ->
 
     Parameters
     ----------
-    outline : RodOutline       dimensions
     cells : RodCells           numbers of cells; the default gives 4374 tetrahedra
     cell_type : CellType       TETRA4, TETRA10, HEXA8 or HEXA20; mid-edge nodes lie on the true surface
     Returns

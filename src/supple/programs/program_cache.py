@@ -48,7 +48,6 @@ class CachedProgram:
     """A function of arrays, compiled once for all arguments that differ in numbers only.
 
     function : with pytrees as positional arguments; returns arrays in tuples and named tuples
-    options : compiler options
     """
 
     def __init__(

@@ -65,7 +65,6 @@ def displacement_from_axes(
 class Observer(NamedTuple):
     """Motion of the reference interface of deflections, with axes that rotate with the interface.
 
-    name : str
     rest : (3,)         position of the interface at assembly, mesh axes of the observed body
     origin : (t, 3)     position of the interface in space
     axes : (t, 3, 3)    mesh axes of the observed body, rotated with the interface, as columns

@@ -34,7 +34,6 @@ _FIELD_NUMBERS = 2**24
 class MovingBody:
     """The drawn points of a body, `r(t, n) = position + rotation (rest + displacement(t, n))`.
 
-    name, kind : of the body
     seen_from : name of the interface that defines the axes of the displacements, or a description of the axes
     rest : (N, 3) undeformed, mesh axes
     node_ids : (N,) id of the node of each point in the mesh file; without a mesh, number of the node; (0,)

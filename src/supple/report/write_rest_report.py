@@ -87,7 +87,6 @@ def write_modes_report(
 ) -> Path:
     """Write a page that plays each mode without decay; its amplitude is a tenth of the machine's size.
 
-    tables : tables of all modes
     chosen : numbers from 0 of the modes to play; by default all
     Other parameters as for `write_report`.
     """
@@ -125,7 +124,6 @@ def write_campbell_report(
 ) -> Path:
     """Write frequencies and damping over speed as a page; the name of a curve is shown at the pointer.
 
-    tables : tables of the diagram
     Other parameters as for `write_report`.
     """
     (speed_unit, by_rate), (unit, factor) = units.rotation_shown, units.frequency_shown

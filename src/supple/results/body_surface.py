@@ -82,7 +82,6 @@ class SurfacePoints:
 class BodySurface(SurfacePoints):
     """The surface of a body over points attached to nodes: first the nodes themselves, then points of beams.
 
-    mesh : mesh of the body
     skin : triangles over the P points
     links : (S, 2) nodes connected by springs, ties or masses;  masses : (M,) nodes with concentrated masses
     """

@@ -86,7 +86,6 @@ class Calibration(Summarized):
     """Parameters of a machine fitted to measurements.
 
     parameters : fitted values by name
-    uncertainty : uncertainty of the parameters
     residuals : for each measurement, in the given order: computed minus measured values (k,), in the units of
         the measurement
     misfit : weighted sum of squares of the residuals, divided by their number minus the number of parameters

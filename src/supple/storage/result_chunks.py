@@ -31,7 +31,6 @@ class ChunkWriter:
     """Writes chunks with their seals to an open file.
 
     header : bytes      seal of the header
-    layout : Layout     layout of the chunks
     """
 
     def __init__(self, file: h5py.File, header: bytes, layout: Layout) -> None:

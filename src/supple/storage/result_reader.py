@@ -77,7 +77,6 @@ class ResultParts:
 
         for part in ResultParts("blade.h5"): ...
 
-    path : path of the result file
     rows : indices (k,) of output times, ascending, each once; by default all
 
     Raises

@@ -106,7 +106,6 @@ def case_parameters(case: Path | str, paths: Sequence[str], *, allow_code: bool 
 
     Parameters
     ----------
-    case : path of the case file
     paths : paths of numbers that change no flexible body and no compiled program, as in a sweep: numbers of
         loads, laws, joints, springs, elements, gravity and rigid bodies; damping of bodies that are reduced
     allow_code : run the Python file of `control`, if the case names one

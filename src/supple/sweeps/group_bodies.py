@@ -76,7 +76,6 @@ def bodies_of_group(case: Case, folder: Path) -> GroupBodies:
 
     If another process is reducing the bodies, this process waits.
 
-    folder : folder of the sweep
     Raises errors of reductions; SelfCorrectionError if an accuracy is not met.
     """
     tables = {table.name: table for table in case.parts.body if is_reduced_here(table)}

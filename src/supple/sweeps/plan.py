@@ -61,9 +61,7 @@ class SweepPlan:
     table : table of the cases;  places : keys in the case file by column, without labels
     group : (n,) group of each case; cases of one group have the same bodies, run and program
     share : (n,) share of each case; a share is a part of one group
-    output : results to store
     inputs : digests of all inputs, by name
-    units : units of the case
     allow_code : whether controllers of the case may run; given with each task, never read from a folder
     """
 

@@ -54,7 +54,6 @@ def sweep(
 
     Parameters
     ----------
-    case : path of the case file
     table : a column of values for each path in the case file, a row for each case
     folder : for the plan, the reduced bodies and the parts of the sweep
     executor : runs the tasks; default: processes of this computer, one per core

@@ -126,7 +126,6 @@ _Weibull = table_of(Weibull, shape=Key(Positive, default=...))
 class SweepFile:
     """A checked sweep file.
 
-    path, text : path and text of the file;  case : path of the case file
     files : other files named in the sweep file
     """
 

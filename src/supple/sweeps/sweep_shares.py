@@ -29,7 +29,6 @@ certificate would need about as many full estimates, one after the other."""
 class SweepShares:
     """All shares that the existing parts determine.
 
-    plan : plan of the sweep
     cases : cases of each share, ascending
     level : number of earlier runs of the cases of each share
     whole : shares whose parts are complete

@@ -61,7 +61,6 @@ def draw_run(
 
     Parameters
     ----------
-    folder : folder for the pictures
     meshes : by name of each elastic body to draw, its mesh, or its elements, which contain the beam sections;
         None draws the nodes of the body as points
     tracked : motions of places, by their names

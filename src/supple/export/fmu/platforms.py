@@ -19,7 +19,6 @@ class Platform:
     """An operating system on a processor.
 
     folders : folder of the library in an FMU, by version of FMI
-    suffix : suffix of the library
     target : name of the platform for the cross-compiler, with the oldest C library on which the library runs
     """
 

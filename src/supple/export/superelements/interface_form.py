@@ -45,7 +45,6 @@ class InterfaceForm:
 
         q = (u_1, theta_1, .., u_n, theta_n, eta)
 
-    name : str
     interfaces : names;  positions : (n, 3), mesh axes
     stiffness, mass, damping : (6 n + m, 6 n + m), without supports. The block of eta is diag(omega^2) in the
         stiffness, without coupling to u, and the identity in the mass

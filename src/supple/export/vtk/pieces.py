@@ -27,9 +27,7 @@ _AROUND, _UP = 24, 12
 class Piece:
     """Points and cells of a body, or of all joints; the cells do not change with time.
 
-    name : str
     points : (N, 3)             global positions in the assembled, undeformed machine
-    cells : Cells
     positions : function        Solution -> global positions (t, N, 3)
     body : BodyForm | None      the body whose nodes are the points; None for rigid bodies and joints
     mesh : Mesh | None          the mesh with these cells
