@@ -1,6 +1,5 @@
 """Quantities read from a machine: sensors, tracked places, stress, and quantities of interest."""
 
-from supple.quantities.beam_force_sensor import *
 from supple.quantities.contact_force import *
 from supple.quantities.control_sensor import *
 from supple.quantities.end_motion import *
@@ -12,7 +11,7 @@ from supple.quantities.place_sensors import *
 from supple.quantities.quantity import *
 from supple.quantities.quantity_of_interest import *
 from supple.quantities.reading import *
-from supple.quantities.section_sensor import *
+from supple.quantities.section_sensors import *
 from supple.quantities.stress_history import *
 from supple.quantities.stress_sensor import *
 from supple.quantities.tensor_modes import *

@@ -7,6 +7,5 @@ from supple.export.superelements.interface_form import *
 from supple.export.superelements.mbdyn_modal import *
 from supple.export.superelements.modal_equations import *
 from supple.export.superelements.nastran_superelement import *
-from supple.export.superelements.output4 import *
 from supple.export.superelements.standard_input_data import *
 from supple.export.superelements.stated_frequencies import *

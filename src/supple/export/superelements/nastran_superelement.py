@@ -5,16 +5,23 @@ Grids are numbered from 1 in the order of the interfaces, scalar points after th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from supple.errors import ModelError
 from supple.export.ascii_file import check_not_foreign, write_ascii
 from supple.export.dmig_punch import dmig_cards
 from supple.export.superelements.interface_form import InterfaceForm
-from supple.export.superelements.output4 import write_output4
 from supple.importers.plain_number import in_sixteen_columns
 
-__all__ = ["write_dmig_superelement", "write_output4_superelement"]
+__all__ = ["write_dmig_superelement", "write_output4", "write_output4_superelement"]
+
+_SQUARE, _SYMMETRIC, _REAL_DOUBLE = 1, 6, 2
+_PER_LINE = 3
+_LONGEST_NAME = 8
 
 _TO_RUN = (
     "to run: SOL 103 / CEND / K2GG = KAAX / M2GG = MAAX{damped} / METHOD = 1",
@@ -64,3 +71,42 @@ def _bulk_data(form: InterfaceForm, further: Sequence[str]) -> list[str]:
         points = f"{n + 1:<8d}THRU    {last}" if form.n_modal > 1 else f"{last}"
         lines += [f"SPOINT  {points}", f"QSET1   0       {points}"]
     return lines
+
+
+def write_output4(path: Path | str, matrices: Mapping[str, ArrayLike]) -> Path:
+    """Write square matrices (n, n) under their names in capitals, for Nastran's INPUTT4; returns the path.
+
+    Numbers have 17 digits. Each column that is not zero has a record: the number of the column, the first row
+    that is not zero, the number of rows, and the values of these rows.
+
+    Raises
+    ------
+    ModelError          no matrix; a name of over eight characters; a matrix that is not square or not finite
+    ResultFileError     the file cannot be written
+    """
+    if not matrices:
+        raise ModelError("an OUTPUT4 file needs a matrix: give one, such as {'KAA': stiffness}")
+    lines = []
+    for name, given in matrices.items():
+        matrix = np.asarray(given, dtype=np.float64)
+        if len(name) > _LONGEST_NAME or matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
+            raise ModelError(
+                f"{name} of shape {matrix.shape}: give square matrices with names of at most eight characters"
+            )
+        if not np.isfinite(matrix).all():
+            raise ModelError(f"{name} has entries that are not finite; correct them")
+        lines += _lines(name, matrix)
+    return write_ascii(path, lines)
+
+
+def _lines(name: str, matrix: np.ndarray) -> list[str]:
+    n = len(matrix)
+    form = _SYMMETRIC if np.array_equal(matrix, matrix.T) else _SQUARE
+    lines = [f"{n:8d}{n:8d}{form:8d}{_REAL_DOUBLE:8d}{name.upper():<8}1P,{_PER_LINE}E24.16"]
+    for j in np.flatnonzero(matrix.any(axis=0)):
+        (rows,) = np.nonzero(matrix[:, j])
+        column = matrix[rows[0] : rows[-1] + 1, j]
+        lines.append(f"{j + 1:8d}{rows[0] + 1:8d}{len(column):8d}")
+        words = [f"{value:24.16E}" for value in column]
+        lines += ["".join(words[at : at + _PER_LINE]) for at in range(0, len(words), _PER_LINE)]
+    return [*lines, f"{n + 1:8d}{1:8d}{1:8d}", f"{1.0:24.16E}"]
