@@ -20,7 +20,6 @@ from supple.cases import (
     parameter_path,
     sensors,
     simulation,
-    spin,
     stated_error,
 )
 from supple.cases.bodies import Body
@@ -35,8 +34,7 @@ from supple.cases.machine_file import MachineFile
 from supple.cases.output import Output
 from supple.cases.parameter_path import ParameterTable
 from supple.cases.sensors import Sensor
-from supple.cases.simulation import Simulation
-from supple.cases.spin import SpinTable
+from supple.cases.simulation import Simulation, SpinTable
 from supple.cases.stated_error import StatedError
 from supple.cases.table import named_in
 from supple.errors import ModelError
@@ -101,7 +99,6 @@ RULES: tuple[Rule, ...] = (
     *contacts.RULES,
     *control.RULES,
     *simulation.RULES,
-    *spin.RULES,
     *output.RULES,
     *stated_error.RULES,
     *sensors.RULES,

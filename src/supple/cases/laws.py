@@ -93,7 +93,9 @@ class _LinesLaw(TableLaw):
 
 def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
     """The rule that the table of a law can be read and covers the run, and for a joint does not overshoot."""
-    duration, begin = table(raw, "simulation").get("duration"), _begin(raw)
+    given = table(raw, "simulation")
+    duration, begin = given.get("duration"), table(given, "start").get("time", 0.0)
+    begin = begin if isinstance(begin, int | float) else 0.0
     for section in ("joint", "load", "element"):
         for path, item in tables(raw, section):
             file = table(item, "law").get("file")
@@ -120,12 +122,6 @@ def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
                     f"the table ends at t = {made.end:g}, before the run ends (t = {begin + duration:g}); "
                     "extend the table or shorten the run",
                 )
-
-
-def _begin(raw: Raw) -> float:
-    """The time at which the run begins."""
-    time = table(table(raw, "simulation"), "start").get("time", 0.0)
-    return time if isinstance(time, int | float) else 0.0
 
 
 _LAWS = (Constant, ConstantRate, Ramp, Sine, SpinUp)

@@ -45,7 +45,8 @@ def parameter_path(text: str, raw: Raw) -> KeyPath:
         elif isinstance(found, Mapping) and isinstance(word, str):
             if word not in found and words:
                 raise CaseError(
-                    f"{text}: there is no {word!r}{nearest_hint(word, found)}; it has: {_listed(found)}"
+                    f"{text}: there is no {word!r}{nearest_hint(word, found)}; it has: "
+                    f"{', '.join(found) or 'nothing'}"
                 )
             place, found = (*place, word), found.get(word)
         else:
@@ -114,10 +115,6 @@ def _name(item: object) -> str:
     if "name" not in item and {"kind", "first", "second"} <= item.keys():
         return joint_label(item["kind"], item["first"], item["second"])
     return str(item.get("name", ""))
-
-
-def _listed(found: Raw) -> str:
-    return ", ".join(found) or "nothing"
 
 
 class ParameterTable(CheckedTable):

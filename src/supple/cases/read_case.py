@@ -135,25 +135,11 @@ def checked_file(
 
 
 def raw_tables(path: Path) -> tuple[str, Raw]:
-    """The text of a case file, and its tables as the TOML reader returns them; CaseError if unreadable."""
+    """The text of a case file, and its tables as the TOML reader returns them.
+
+    CaseError for a file that cannot be read, is not TOML, or is nested deeper than `DEEPEST`.
+    """
     text = _text(path)
-    return text, _raw(path, text)
-
-
-def _text(path: Path) -> str:
-    try:
-        # A byte-order mark, which some editors write, is not part of the text.
-        return path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise CaseError(f"cannot read the case file {path}: {error.strerror}; check the path") from error
-    except UnicodeDecodeError as error:
-        raise CaseError(f"{path} is not a text file in UTF-8; give a case file (.toml)") from error
-    except ValueError as error:
-        raise CaseError(f"cannot read the case file {str(path)!r}: {error}; check the path") from error
-
-
-def _raw(path: Path, text: str) -> Raw:
-    """The tables of the text; CaseError for text that is not TOML, or nested deeper than `DEEPEST`."""
     try:
         raw = tomllib.loads(text)
     except ValueError as error:  # not TOML, or a number of thousands of digits
@@ -172,7 +158,19 @@ def _raw(path: Path, text: str) -> Raw:
             f"{path}: tables and lists nest more than {DEEPEST} deep, which no key needs; remove a "
             "repeated bracket"
         )
-    return raw
+    return text, raw
+
+
+def _text(path: Path) -> str:
+    try:
+        # A byte-order mark, which some editors write, is not part of the text.
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise CaseError(f"cannot read the case file {path}: {error.strerror}; check the path") from error
+    except UnicodeDecodeError as error:
+        raise CaseError(f"{path} is not a text file in UTF-8; give a case file (.toml)") from error
+    except ValueError as error:
+        raise CaseError(f"cannot read the case file {str(path)!r}: {error}; check the path") from error
 
 
 def _depth(raw: Raw) -> int:

@@ -1,4 +1,4 @@
-"""The time span of a case, and its steps."""
+"""The time span of a case and its steps; its steady rotation at rest."""
 
 from __future__ import annotations
 
@@ -8,9 +8,22 @@ from pydantic import Discriminator, Field, Tag
 
 from supple.cases.body_kinds import is_explicit_table
 from supple.cases.continuation import StartState
+from supple.cases.shared_rules import axes_with_length
 from supple.cases.table import Key, Made, OneOf, table_of
-from supple.importers.toml import WORD_OR_TABLE, CheckedTable, Mistakes, Positive, Raw, table, tables
+from supple.importers.toml import (
+    WORD_OR_TABLE,
+    ZERO,
+    CheckedTable,
+    Mistakes,
+    Positive,
+    Raw,
+    Vector,
+    names,
+    table,
+    tables,
+)
 from supple.integrate import MOST_OUTPUT_TIMES, AdaptiveStep, FixedStep, GeneralizedAlpha, Kinematic, Run
+from supple.machine import Spin
 from supple.methods.explicit import (
     ExactLinks,
     Explicit,
@@ -108,6 +121,21 @@ class Simulation(CheckedTable):
         return Run(self.duration, self.output_step, step=step, method=method, start=begin)
 
 
+_NAMES = Annotated[tuple[str, ...], Field(strict=False)]
+
+
+class SpinTable(
+    table_of(
+        Spin,
+        rate=Key(float, "angular velocity, rad per time"),
+        axis=Key(Vector, "direction of the axis, global axes, not zero", default=...),
+        point=Key(Vector, "point on the axis, global axes, a length", default=ZERO),
+        bodies=Key(_NAMES, "names of the rotating bodies; default: all"),
+    )
+):
+    """The steady rotation in `supple static`, in `supple modes`, and of runs that start in equilibrium."""
+
+
 def _steps_are_given_once(raw: Raw) -> Mistakes:
     given = raw.get("simulation")
     if isinstance(given, dict) and ("step" in given) == ("adaptive" in given):
@@ -188,7 +216,17 @@ def _a_state_is_assembled(raw: Raw) -> Mistakes:
         yield ("simulation", "assemble"), "the start defines the positions of the bodies; remove the key"
 
 
+def _spinning_bodies_exist(raw: Raw) -> Mistakes:
+    named = table(raw, "spin").get("bodies")
+    known = names(raw, "body")
+    for name in named if isinstance(named, list) else ():
+        if name not in known:
+            yield ("spin", "bodies"), f"there is no body '{name}'; there are: {', '.join(known)}"
+
+
 RULES = (
+    lambda raw: axes_with_length(("spin",), table(raw, "spin")),
+    _spinning_bodies_exist,
     _a_kinematic_run_takes_no_steps_of_an_integrator,
     _a_state_is_assembled,
     _steps_are_given_once,

@@ -1,7 +1,8 @@
-"""Write the static problem of a case's body as an Abaqus or CalculiX deck."""
+"""Write the static problem of a case's body as an Abaqus or CalculiX deck; choice of the body."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,9 +12,8 @@ from scipy.spatial.transform import Rotation
 from supple.cases import Case, read_case
 from supple.cases.run_files import check_not_an_input
 from supple.cases.static_case import assembled_system
-from supple.cli.chosen_body import chosen_body
 from supple.cli.export import ExportOptions
-from supple.errors import ArgumentError, CaseError
+from supple.errors import ArgumentError, CaseError, did_you_mean
 from supple.export import ABAQUS, CALCULIX, TABLE_SUFFIXES, resultant, static_load, write_static_deck
 from supple.importers.toml import CheckedTable
 from supple.terminal import print_rows, say, shown_step
@@ -131,3 +131,34 @@ def _touches(table: CheckedTable, name: str) -> bool:
 
 def _numbers(values: np.ndarray) -> str:
     return "  ".join(f"{value:.6g}" for value in values)
+
+
+def chosen_body(case: Case, names: Sequence[str] | None, known: Sequence[str], kind: str, none: str) -> str:
+    """The body with the given name, or the only one.
+
+    known : bodies that can be written
+    kind : description of these bodies
+    none : remedy if there are no such bodies
+
+    Raises CaseError for several names, an unknown name, the name of a split body, or no name where there are
+    several bodies.
+    """
+    listed = ", ".join(known) or "none"
+    if names and len(names) > 1:
+        raise CaseError(f"{case.path}: only one body can be written, and {len(names)} are given: give one")
+    if not names and len(known) == 1:
+        return known[0]
+    if not names:
+        remedy = "give one: --body NAME" if known else none
+        raise CaseError(f"{case.path} has {len(known)} {kind} ({listed}); {remedy}")
+    parts = case.names_in_machine(names)
+    if parts != list(names):
+        raise CaseError(
+            f"{case.path}: split divides body '{names[0]}' into {', '.join(parts)}; give one of these "
+            "parts, or remove split"
+        )
+    if names[0] not in known:
+        raise CaseError(
+            f"{case.path}: '{names[0]}' is none of the {kind}{did_you_mean(names[0], list(known))}"
+        )
+    return names[0]

@@ -15,8 +15,8 @@ from supple.body import RayleighDamping
 from supple.cases import Case, read_case
 from supple.cases.run_files import check_not_an_input
 from supple.cases.static_case import assembled_system
-from supple.cli.chosen_body import chosen_body
 from supple.cli.export import ExportOptions
+from supple.cli.export_case import chosen_body
 from supple.errors import ArgumentError, CaseError
 from supple.export import (
     InterfaceForm,
