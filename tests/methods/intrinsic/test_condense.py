@@ -9,7 +9,7 @@ from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError
 from supple.fem import BeamSection, HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.mesh import CellType, Mesh, strip
-from supple.mesh.block import block
+from supple.mesh.cuboids import block
 from supple.methods.intrinsic import CLAMPED, FREE, LoadPath, LoadPaths, NodeSetPath, condense
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 
