@@ -17,8 +17,8 @@ from supple.mesh.feature_edges import feature_edges, silhouette_edges
 from supple.methods.explicit import NodalMotion
 from supple.quantities import deflections, observer
 from supple.results.body_surface import body_surface
+from supple.results.camera import View
 from supple.results.colouring import DEFLECTION
-from supple.results.view import View
 from supple.units import SI
 from supple.viz import Camera, Film, RotorAngle, animate_run, run_animation, run_pictures
 from supple.viz.glyphs import Glyphs, Mark, MarkStyle

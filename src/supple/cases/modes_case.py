@@ -36,9 +36,9 @@ from supple.linearization import (
 )
 from supple.linearization.linear_machine import STANDING
 from supple.machine import Spin, System
+from supple.results.camera import View
 from supple.results.mode_tables import SENSES, mode_tables, speed_tables
 from supple.results.run_summary import unit_names
-from supple.results.view import View
 from supple.simulation.equilibrium import LARGEST_ERROR
 from supple.units import plain_number, with_unit
 

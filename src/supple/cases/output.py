@@ -11,9 +11,8 @@ from supple.cases.shared_rules import PlaceOf, joint_names
 from supple.cases.table import Key, part, table_of
 from supple.errors import ModelError
 from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, Vector, table, tables
-from supple.results.camera import Camera
+from supple.results.camera import Camera, View
 from supple.results.film import Film, RotorAngle
-from supple.results.view import View
 
 
 class FilmTable(

@@ -1,4 +1,4 @@
-"""The commands that compute one case: run, equilibrium, modes; their progress bars and printed tables."""
+"""The commands that compute one case (run, equilibrium, modes, reduce): progress bars and printed tables."""
 
 from __future__ import annotations
 
@@ -11,24 +11,39 @@ import numpy as np
 import typer
 
 from supple import cases
-from supple.cases.run_files import stored_so_far
+from supple.blas_threads import one_blas_thread
+from supple.cases.run_files import check_not_an_input, stored_so_far
 from supple.error import SelfCorrectionError, correction_numbers
 from supple.errors import ArgumentError, CaseError
 from supple.integrate import StepProgress
 from supple.reduction import ReducedBody
+from supple.results import body_numbers, unit_names
+from supple.results.descriptions import describe_reduction
 from supple.results.explicit_numbers import explicit_cost_line
 from supple.results.mode_tables import mode_tables, speed_tables
 from supple.results.rest_tables import rest_error_table, rest_tables
 from supple.results.run_start import start_lines
 from supple.results.run_tables import (
+    body_table,
     correction_table,
     cost_line,
     error_lines,
     error_table,
     motion_tables,
 )
+from supple.simulation import reduced_bodies, store_body
 from supple.simulation.interruption import INTERRUPTIONS, Terminated, raising_terminated
-from supple.terminal import ProgressBars, error_console, print_table, progress_bars, say, words
+from supple.simulation.stored_bodies import stored_path
+from supple.terminal import (
+    ProgressBars,
+    error_console,
+    print_rows,
+    print_table,
+    progress_bars,
+    say,
+    shown_step,
+    words,
+)
 
 _STABILITY = {True: "Stable", False: "Unstable", None: "An"}
 """First word of the printed line, by the stability of the equilibrium; None: unknown stability."""
@@ -180,3 +195,31 @@ def _speeds(text: str) -> np.ndarray:
         raise CaseError(
             f"--rates '{text}' is not FROM:TO:NUMBER, such as 0:2:9 (two speeds or more)"
         ) from error
+
+
+def reduce_case(path: Path, folder: Path) -> None:
+    """Perform the reductions of fixed size in the case at `path`; write each body to NAME-reduced.h5.
+
+    Raises
+    ------
+    CaseError           mistakes in the case file; no body to reduce
+    ResultFileError     a file that cannot be written
+    SuppleError         errors of building and reducing
+    """
+    # As in a run: signs and last digits of modes depend on the number of threads.
+    with shown_step("reducing") as notify, one_blas_thread():
+        case = cases.read_case(path, notify)
+        check_not_an_input(case, [stored_path(folder, name) for name in case.made_here])
+        bodies = reduced_bodies(case.system, case.made_here)
+    if not bodies:
+        raise CaseError(
+            f"{path} has no body to reduce: give an elastic body a reduction of fixed size, for example "
+            'reduction = { basis = "error-controlled", tolerance = 1e-3, modes = 10 }; supple run writes '
+            "self-correcting bodies"
+        )
+    numbers = {body.name: body_numbers(body, case.units, case.fulls.get(body.name)) for body in bodies}
+    print_table(*body_table({"units": unit_names(case.units), "bodies": numbers}))
+    for body in bodies:
+        print_rows(f"Reduction of {body.name}", describe_reduction(body.report))
+        written = store_body(body, folder)
+        say(f"written to {written} ({written.stat().st_size / 2**20:.1f} MiB)")

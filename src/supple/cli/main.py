@@ -237,7 +237,7 @@ def reduce(
     debug: Debug = False,
 ) -> None:
     """Reduce the bodies of a case file; write each to an HDF5 file, which cases read by reduced = "FILE"."""
-    from supple.cli.reduce_case import reduce_case
+    from supple.cli.computed_case import reduce_case
 
     with reported_errors(debug=debug), reported_warnings():
         reduce_case(case, output or Path("results") / case.stem)

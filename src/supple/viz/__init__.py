@@ -8,9 +8,9 @@ if not (find_spec("matplotlib") and find_spec("PIL")):
     )
 
 from supple.results.camera import *
+from supple.results.camera import View as View
 from supple.results.film import Film as Film
 from supple.results.film import RotorAngle as RotorAngle
-from supple.results.view import View as View
 from supple.viz.animation import *
 from supple.viz.campbell_plot import *
 from supple.viz.contour import *

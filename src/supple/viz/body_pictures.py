@@ -16,8 +16,8 @@ from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import deflections, largest_stress, observer, observer_of, von_mises_by_end
 from supple.reduction import BodyModes, ReducedBody, clamped_modes
 from supple.results.body_surface import BodySurface
+from supple.results.camera import View, enlarged_words
 from supple.results.run_summary import N_DRAWN_MODES
-from supple.results.view import View, enlarged_words
 from supple.units import UnitSystem, with_unit
 from supple.viz.contour import plot_contour, stress_field
 from supple.viz.glyphs import GROUND_STYLE, Glyphs, Mark, surface_glyphs

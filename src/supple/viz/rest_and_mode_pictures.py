@@ -16,8 +16,8 @@ from supple.integrate import Motion, Solution
 from supple.machine import At, System
 from supple.quantities import deflections, node_positions, observer_of
 from supple.results.body_surface import Look
+from supple.results.camera import AS_IT_IS, View, enlarged_words
 from supple.results.colouring import DEFLECTION, Colouring, stress_colouring
-from supple.results.view import AS_IT_IS, View, enlarged_words
 from supple.units import UNNAMED, UnitSystem, with_unit
 from supple.viz.body_pictures import visible_enlargement
 from supple.viz.run_animation import animate_run

@@ -14,9 +14,9 @@ from supple.integrate import Solution
 from supple.machine import At, System
 from supple.quantities import JointMotionSensor, node_positions
 from supple.results.body_surface import Look
+from supple.results.camera import AS_IT_IS, View, enlarged_words
 from supple.results.colouring import DEFLECTION, Colouring, stress_colouring
 from supple.results.film import WHOLE_RUN, Film, film_rows, off_angle
-from supple.results.view import AS_IT_IS, View, enlarged_words
 from supple.units import UNNAMED, UnitSystem
 from supple.viz.animation import Traces, animate
 from supple.viz.film_file import check_film, played_rate

@@ -17,9 +17,8 @@ from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import TrackedMotion
 from supple.reduction import BodyModes, ReducedBody
 from supple.results.body_surface import Look
-from supple.results.camera import Camera
+from supple.results.camera import AS_IT_IS, Camera, View
 from supple.results.colouring import Colouring
-from supple.results.view import AS_IT_IS, View
 from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, with_unit
 from supple.viz.body_pictures import (

@@ -12,14 +12,13 @@ from supple.arrays import BoolArray
 from supple.importers.abaqus.constraints import read_constraints
 from supple.importers.abaqus.deck_model import AbaqusModel, read_model
 from supple.importers.abaqus.element_types import CELL_FAMILIES, Family
-from supple.importers.abaqus.freedoms import Freedoms
+from supple.importers.abaqus.freedoms import Freedoms, read_supports
 from supple.importers.abaqus.keywords import LEFT_OUT, LEFT_OUT_OPTIONS, PASSED_OVER
 from supple.importers.abaqus.lumped import read_masses, read_springs
 from supple.importers.abaqus.orientation import read_orientations
 from supple.importers.abaqus.public_names import public_ids, public_name, public_sets
 from supple.importers.abaqus.report import Report
 from supple.importers.abaqus.sections import read_elements
-from supple.importers.abaqus.supports import read_supports
 from supple.importers.abaqus.ties import read_ties
 from supple.importers.deck import Deck
 from supple.importers.keyword_file import KeywordBlock, read_keyword_file

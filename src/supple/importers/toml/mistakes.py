@@ -1,4 +1,4 @@
-"""The mistakes of a TOML file in one text, each with its line, key and remedy."""
+"""Tables of a TOML file that a schema checks; their mistakes in one text, each with line, key and remedy."""
 
 from __future__ import annotations
 
@@ -7,16 +7,47 @@ import reprlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
-from supple.importers.toml.checked_table import CheckedTable
 from supple.importers.toml.line_index import KeyPath, LineIndex
 from supple.importers.toml.raw_tables import Raw, nearest_hint
 
-__all__ = ["NUMBERS_OR_ROWS", "UNKNOWN_KEY", "WORD_OR_TABLE", "checked", "listed_mistakes"]
+__all__ = [
+    "NUMBERS_OR_ROWS",
+    "UNKNOWN_KEY",
+    "WORD_OR_TABLE",
+    "ZERO",
+    "CheckedTable",
+    "Matrix",
+    "NodeIndices",
+    "NonNegative",
+    "Positive",
+    "Vector",
+    "checked",
+    "listed_mistakes",
+]
+
+# Strict numbers and strings (no "0.02" for 0.02), but a TOML array may fill a tuple.
+Vector = Annotated[tuple[float, float, float], Field(strict=False)]
+Matrix = Annotated[tuple[Vector, Vector, Vector], Field(strict=False)]
+NodeIndices = Annotated[tuple[int, ...], Field(strict=False)]
+Positive = Annotated[float, Field(gt=0.0)]
+NonNegative = Annotated[float, Field(ge=0.0)]
+
+ZERO: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+class CheckedTable(BaseModel):
+    """A table of a TOML file: unknown keys are mistakes, values cannot change, numbers are finite.
+
+    Its schema may state `json_schema_extra={"renamed": {former key: message}}`.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
 
 UNKNOWN_KEY = "unknown key"
 """First words of the mistake of a key that its table does not have."""
