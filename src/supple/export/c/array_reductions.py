@@ -11,7 +11,7 @@ from supple.errors import ModelError
 from supple.export.c.blocks import CodeBlock, loops
 from supple.export.c.operations import ArrayOperation
 from supple.export.c.printer import RULES, Shapes, Values, rule
-from supple.export.c.values import Value, c_type, literal
+from supple.export.c.values import UniformValue, Value, c_type, literal
 
 _FORMS: dict[str, tuple[float, Callable[[str, str], str]]] = {
     "sum": (0, lambda total, term: f"{total} + {term}"),
@@ -65,20 +65,17 @@ for _name in _FORMS:
 @rule("argmax", "argmin")
 def _extreme(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, axis = block.stored(inputs[0]), one.params["axes"][0]
-    sign = ">" if one.name == "argmax" else "<"
+    if value.shape[axis] == 1:
+        return [UniformValue(tuple(outputs[0].shape), np.dtype(outputs[0].dtype), 0)]
     target = block.array(outputs[0].shape, outputs[0].dtype)
     heads, index = loops(outputs[0].shape, "i")
-    at = value.at([*index[:axis], "k", *index[axis:]]) if value.shape[axis] > 1 else ""
-    first = value.at([*index[:axis], "0", *index[axis:]])
-    if not at:
-        block.assign(target, block.known(np.zeros(target.shape, dtype=target.dtype)))
-        return [target]
-    kind = c_type(value.dtype)
+    first, at = (value.at([*index[:axis], place, *index[axis:]]) for place in ("0", "k"))
+    kind, worse = c_type(value.dtype), "<=" if one.name == "argmax" else ">="
     block.add(
         f"{heads}{{ {kind} best = {first}; int where = 0; "
         f"for (int k = 1; k < {value.shape[axis]}; ++k) "
         # NaN counts as the extreme; the first NaN is taken.
-        f"if (best == best && !({at} {'<=' if sign == '>' else '>='} best)) {{ best = {at}; where = k; }} "
+        f"if (best == best && !({at} {worse} best)) {{ best = {at}; where = k; }} "
         f"{target.at(index)} = where; }}"
     )
     return [target]

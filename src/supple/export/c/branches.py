@@ -10,7 +10,7 @@ import numpy as np
 from supple.export.c.blocks import CodeBlock
 from supple.export.c.operations import ArrayOperation, Program, program_of
 from supple.export.c.printer import Shapes, Values, constants_in, print_block, rule
-from supple.export.c.values import BufferView, UniformValue, Value
+from supple.export.c.values import BufferView, UniformValue, Value, joined
 
 
 def _carried(block: CodeBlock, body: Program, n_before: int, first: Values) -> tuple[list[Value], list[bool]]:
@@ -82,8 +82,8 @@ def _row(value: Value, place: str) -> Value:
 def _row_of(value: BufferView, place: str) -> BufferView:
     stride = value.strides[0]
     shift = "" if value.shape[0] == 1 or not stride else f"{stride} * {place}"
-    joined = " + ".join(term for term in (value.shift, shift) if term)
-    return replace(value, shape=value.shape[1:], strides=value.strides[1:], shift=joined, known=None)
+    whole = joined(value.shift, shift)
+    return replace(value, shape=value.shape[1:], strides=value.strides[1:], shift=whole, known=None)
 
 
 @rule("cond")

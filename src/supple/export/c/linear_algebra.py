@@ -12,7 +12,7 @@ from supple.errors import ModelError
 from supple.export.c.blocks import CodeBlock, loops
 from supple.export.c.operations import ArrayOperation
 from supple.export.c.printer import Shapes, Values, rule
-from supple.export.c.values import BufferView, UniformValue, Value, c_type, row_major
+from supple.export.c.values import BufferView, UniformValue, Value, c_type, joined, row_major
 
 
 @rule("dot_general")
@@ -51,10 +51,7 @@ def _dot(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes)
         # The innermost loop runs over independent sums, so that compilers vectorise it. They must not reorder
         # the terms of a single sum.
         head, after = (batch + rows, columns) if columns else (batch, rows)
-        if not columns:
-            block.add(f"{batch}{{ {rows}{out} = 0; {inner}{rows}{out} += {a} * {b}; }}")
-        else:
-            block.add(f"{head}{{ {after}{out} = 0; {inner}{after}{out} += {a} * {b}; }}")
+        block.add(f"{head}{{ {after}{out} = 0; {inner}{after}{out} += {a} * {b}; }}")
     else:
         block.add(f"{batch}{rows}{columns}{{ {kind} sum = 0; {inner}sum += {a} * {b}; {out} = sum; }}")
     return [target]
@@ -104,9 +101,7 @@ def _array(block: CodeBlock, one: jax.ShapeDtypeStruct | Value) -> BufferView:
 
 def _pointer(view: BufferView, offset: int) -> str:
     place = view.offset + offset
-    return " + ".join(
-        [view.buffer.text, *([view.shift] if view.shift else []), *([str(place)] if place else [])]
-    )
+    return joined(view.buffer.text, view.shift, str(place) if place else "")
 
 
 @rule("triangular_solve")

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from supple.export.c.blocks import CodeBlock
 from supple.export.c.operations import ArrayOperation
-from supple.export.c.printer import Shapes, Values, rule
-from supple.export.c.values import BufferView, Computed, Index, UniformValue, Value, literal, row_major
+from supple.export.c.printer import Rule, Shapes, Values, rule
+from supple.export.c.values import (
+    BufferView,
+    Computed,
+    Index,
+    UniformValue,
+    Value,
+    joined,
+    literal,
+    row_major,
+)
 
 
 def _viewed(value: BufferView, shape: Sequence[int], strides: Sequence[int], offset: int = 0) -> BufferView:
@@ -19,33 +28,62 @@ def _viewed(value: BufferView, shape: Sequence[int], strides: Sequence[int], off
     )
 
 
-@rule("broadcast_in_dim")
+def _rearranges(*names: str) -> Callable[[Rule], Rule]:
+    """Decorator as `rule`, of primitives whose result from equal constants has the same constants."""
+
+    def registered(function: Rule) -> Rule:
+        @rule(*names)
+        def ruled(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
+            value = inputs[0]
+            if isinstance(value, UniformValue):
+                return [replace(value, shape=tuple(each.shape)) for each in outputs]
+            return function(block, one, inputs, outputs)
+
+        return ruled
+
+    return registered
+
+
+def _moved(value: Value, shape: tuple[int, ...], axes: Mapping[int, int], *, in_order: bool = True) -> Value:
+    """The value with its axes at other places.
+
+    axes : axis of the value at each place of the new shape; along all others the elements are the same
+    in_order : the elements keep their row-major order
+    """
+    if isinstance(value, BufferView):
+        strides = [0] * len(shape)
+        for place, axis in axes.items():
+            strides[place] = value.strides[axis]
+        return _viewed(value, shape, strides)
+
+    def by_index(index: Index) -> str:
+        own = ["0"] * len(value.shape)
+        for place, axis in axes.items():
+            own[axis] = index[place]
+        return value.at(own)
+
+    return Computed(shape, value.dtype, by_index, *([value.flat] if in_order else []))
+
+
+@_rearranges("broadcast_in_dim")
 def _broadcast(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
-    value, shape, placed = inputs[0], tuple(outputs[0].shape), one.params["broadcast_dimensions"]
-    if isinstance(value, UniformValue):
-        return [replace(value, shape=shape)]
-    if isinstance(value, Computed) and value.size == int(np.prod(shape, dtype=int)):
-
-        def by_index(index: Index) -> str:
-            return value.at(
-                [index[axis] if n > 1 else "0" for axis, n in zip(placed, value.shape, strict=True)]
-            )
-
-        return [Computed(shape, value.dtype, by_index, value.flat)]
-    view = block.view(value)
-    strides = [0] * len(shape)
-    for axis, n, stride in zip(placed, view.shape, view.strides, strict=True):
-        strides[axis] = stride if n > 1 else 0
-    return [_viewed(view, shape, strides)]
+    value, shape, places = inputs[0], tuple(outputs[0].shape), one.params["broadcast_dimensions"]
+    if not (isinstance(value, Computed) and value.size == int(np.prod(shape, dtype=int))):
+        value = block.view(value)
+    return [_moved(value, shape, {places[axis]: axis for axis, n in enumerate(value.shape) if n > 1})]
 
 
-@rule("slice")
+@_rearranges("transpose")
+def _transpose(_block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
+    axes = dict(enumerate(one.params["permutation"]))
+    return [_moved(inputs[0], tuple(outputs[0].shape), axes, in_order=False)]
+
+
+@_rearranges("slice")
 def _slice(_block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, shape = inputs[0], tuple(outputs[0].shape)
     starts = one.params["start_indices"]
     steps = one.params["strides"] or (1,) * len(starts)
-    if isinstance(value, UniformValue):
-        return [replace(value, shape=shape)]
     if isinstance(value, BufferView):
         strides = [a * b for a, b in zip(value.strides, steps, strict=True)]
         return [
@@ -66,16 +104,15 @@ def placed(index: str, start: int, step: int = 1) -> str:
     return f"({start} + {scaled})" if start else scaled
 
 
-@rule("squeeze", "expand_dims", "reshape")
+@_rearranges("squeeze", "expand_dims", "reshape")
 def _reshape(block: CodeBlock, _one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
     value, shape = inputs[0], tuple(outputs[0].shape)
     if value.shape == shape:
         return [value]
-    if isinstance(value, UniformValue):
-        return [replace(value, shape=shape)]
     long = [axis for axis, n in enumerate(value.shape) if n > 1]
-    if [value.shape[axis] for axis in long] == [n for n in shape if n > 1]:
-        return [_with_unit_axes(value, long, shape)]
+    places = [place for place, n in enumerate(shape) if n > 1]
+    if [value.shape[axis] for axis in long] == [shape[place] for place in places]:
+        return [_moved(value, shape, dict(zip(places, long, strict=True)))]
     if isinstance(value, Computed) and value.flat("0") is None:
         value = block.copied(value)
     if isinstance(value, Computed):
@@ -92,46 +129,9 @@ def _reshape(block: CodeBlock, _one: ArrayOperation, inputs: Values, outputs: Sh
     return [_viewed(block.in_order(value), shape, row_major(shape))]
 
 
-def _with_unit_axes(value: Value, long: Sequence[int], shape: tuple[int, ...]) -> Value:
-    """The value with axes of one entry added or removed."""
-    places = [axis for axis, n in enumerate(shape) if n > 1]
-    if isinstance(value, BufferView):
-        strides = [0] * len(shape)
-        for place, axis in zip(places, long, strict=True):
-            strides[place] = value.strides[axis]
-        return _viewed(value, shape, strides)
-
-    def by_index(index: Index) -> str:
-        own = ["0"] * len(value.shape)
-        for place, axis in zip(places, long, strict=True):
-            own[axis] = index[place]
-        return value.at(own)
-
-    return Computed(shape, value.dtype, by_index, value.flat)
-
-
-@rule("transpose")
-def _transpose(_block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
-    value, order, shape = inputs[0], one.params["permutation"], tuple(outputs[0].shape)
-    if isinstance(value, UniformValue):
-        return [replace(value, shape=shape)]
-    if isinstance(value, BufferView):
-        return [_viewed(value, shape, [value.strides[axis] for axis in order])]
-
-    def by_index(index: Index) -> str:
-        own = ["0"] * len(shape)
-        for place, axis in enumerate(order):
-            own[axis] = index[place]
-        return value.at(own)
-
-    return [Computed(shape, value.dtype, by_index)]
-
-
-@rule("rev")
+@_rearranges("rev")
 def _reverse(block: CodeBlock, one: ArrayOperation, inputs: Values, _outputs: Shapes) -> Values:
-    value = block.stored(inputs[0])
-    if isinstance(value, UniformValue):
-        return [value]
+    value = block.view(inputs[0])
     axes = one.params["dimensions"]
     strides = [-s if axis in axes else s for axis, s in enumerate(value.strides)]
     offset = sum((value.shape[axis] - 1) * value.strides[axis] for axis in axes)
@@ -168,27 +168,22 @@ def _stack(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shape
     return [target]
 
 
-@rule("split")
+@_rearranges("split")
 def _split(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
-    value, axis, start, parts = block.stored(inputs[0]), one.params["axis"], 0, []
+    value, axis, start, parts = block.view(inputs[0]), one.params["axis"], 0, []
     for each in outputs:
-        shape = tuple(each.shape)
-        if isinstance(value, UniformValue):
-            parts.append(replace(value, shape=shape))
-        else:
-            parts.append(_viewed(value, shape, value.strides, start * value.strides[axis]))
-        start += shape[axis]
+        parts.append(_viewed(value, each.shape, value.strides, start * value.strides[axis]))
+        start += each.shape[axis]
     return parts
 
 
-@rule("unstack")
+@_rearranges("unstack")
 def _unstack(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
-    value, axis = block.stored(inputs[0]), one.params["axis"]
-    shape = tuple(outputs[0].shape)
-    if isinstance(value, UniformValue):
-        return [replace(value, shape=shape)] * len(outputs)
+    value, axis = block.view(inputs[0]), one.params["axis"]
     strides = (*value.strides[:axis], *value.strides[axis + 1 :])
-    return [_viewed(value, shape, strides, place * value.strides[axis]) for place in range(len(outputs))]
+    return [
+        _viewed(value, each.shape, strides, place * value.strides[axis]) for place, each in enumerate(outputs)
+    ]
 
 
 @rule("pad")
@@ -220,13 +215,11 @@ def _pad(block: CodeBlock, one: ArrayOperation, inputs: Values, outputs: Shapes)
     return [target]
 
 
-@rule("dynamic_slice")
+@_rearranges("dynamic_slice")
 def _dynamic_slice(block: CodeBlock, _one: ArrayOperation, inputs: Values, outputs: Shapes) -> Values:
-    value, shape = block.stored(inputs[0]), tuple(outputs[0].shape)
-    if isinstance(value, UniformValue):
-        return [replace(value, shape=shape)]
+    value, shape = block.view(inputs[0]), tuple(outputs[0].shape)
     shift = _shift(block, value, shape, inputs[1:])
-    return [replace(_viewed(value, shape, value.strides), shift=_joined(value.shift, shift))]
+    return [replace(_viewed(value, shape, value.strides), shift=joined(value.shift, shift))]
 
 
 @rule("dynamic_update_slice")
@@ -249,7 +242,3 @@ def _shift(block: CodeBlock, value: BufferView, shape: Sequence[int], starts: Se
         block.add(f"{place.at(())} = (int32_t)within_({start.at(())}, {literal(n - own, np.int64)});")
         terms.append(placed(place.at(()), 0, stride))
     return " + ".join(terms)
-
-
-def _joined(*terms: str) -> str:
-    return " + ".join(term for term in terms if term)

@@ -31,6 +31,7 @@ class Buffer:
         return self.name or f"@{self.number}@"
 
 
+@dataclass(eq=False)
 class Value:
     """An array of known shape, read element by element."""
 
@@ -55,8 +56,6 @@ class Value:
 class UniformValue(Value):
     """An array of equal constants."""
 
-    shape: tuple[int, ...]
-    dtype: np.dtype
     number: float
 
     def at(self, index: Index) -> str:  # noqa: ARG002
@@ -72,8 +71,6 @@ class UniformValue(Value):
 class BufferView(Value):
     """Elements of a buffer at `offset + shift + strides . index`; `shift` is known only at run time."""
 
-    shape: tuple[int, ...]
-    dtype: np.dtype
     buffer: Buffer
     strides: tuple[int, ...]
     offset: int = 0
@@ -117,8 +114,6 @@ class BufferView(Value):
 class Computed(Value):
     """An array whose elements are computed where they are read."""
 
-    shape: tuple[int, ...]
-    dtype: np.dtype
     by_index: Callable[[Index], str]
     by_number: Callable[[str], str | None] = lambda _: None
 
@@ -136,23 +131,15 @@ def row_major(shape: Sequence[int]) -> tuple[int, ...]:
     return tuple(math.prod(shape[axis + 1 :]) for axis in range(len(shape)))
 
 
-_TYPES = {
-    "float64": "double",
-    "int64": "int64_t",
-    "int32": "int32_t",
-    "uint32": "uint32_t",
-    "uint64": "uint64_t",
-    "bool": "bool",
-    "uint8": "uint8_t",
-    "int8": "int8_t",
-    "int16": "int16_t",
-    "uint16": "uint16_t",
-}
+def joined(*terms: str) -> str:
+    """The sum of C expressions, without empty ones."""
+    return " + ".join(term for term in terms if term)
 
 
 def c_type(dtype: DTypeLike) -> str:
     """The C type of the elements of an array."""
-    return _TYPES.get(np.dtype(dtype).name, "double")
+    kind = np.dtype(dtype)
+    return "bool" if kind.kind == "b" else f"{kind.name}_t" if kind.kind in "iu" else "double"
 
 
 def _whole(number: int) -> str:

@@ -73,13 +73,19 @@ def _units(root: Element, machine: FmuInterface) -> None:
             SubElement(units, "Unit", name=name)
 
 
+def _co_simulation(root: Element, machine: FmuInterface, state: str, derivatives: str) -> Element:
+    """The abilities of the machine; state, derivatives : their words in a version of FMI."""
+    able = ["canHandleVariableCommunicationStepSize", f"canGetAndSet{state}", f"canSerialize{state}"]
+    able += [derivatives] if machine.inputs else []
+    return SubElement(root, "CoSimulation", {"modelIdentifier": IDENTIFIER} | dict.fromkeys(able, "true"))
+
+
 def _experiment(root: Element, machine: FmuInterface) -> None:
-    start = machine.time
     SubElement(
         root,
         "DefaultExperiment",
-        startTime=repr(start),
-        stopTime=repr(start + machine.duration),
+        startTime=repr(machine.time),
+        stopTime=repr(machine.time + machine.duration),
         stepSize=repr(machine.size),
     )
 
@@ -128,17 +134,9 @@ def _referenced(machine: FmuInterface) -> list[_Referenced]:
 def model_description_3(machine: FmuInterface, title: str, token: str) -> str:
     """The text of `modelDescription.xml` of FMI 3.0."""
     root = _root("3.0", title, instantiationToken=token)
-    simulation = {
-        "modelIdentifier": IDENTIFIER,
-        "canHandleVariableCommunicationStepSize": "true",
-        "canGetAndSetFMUState": "true",
-        "canSerializeFMUState": "true",
-    }
-    if machine.inputs:
-        simulation["providesDirectionalDerivatives"] = "true"
+    simulation = _co_simulation(root, machine, "FMUState", "providesDirectionalDerivatives")
     if machine.has_contacts:
-        simulation |= {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"}
-    SubElement(root, "CoSimulation", simulation)
+        simulation.attrib |= {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"}
     _units(root, machine)
     _experiment(root, machine)
     variables = SubElement(root, "ModelVariables")
@@ -166,15 +164,7 @@ def _output_references(machine: FmuInterface) -> list[int]:
 def model_description_2(machine: FmuInterface, title: str, token: str, sources: Sequence[str]) -> str:
     """The text of `modelDescription.xml` of FMI 2.0."""
     root = _root("2.0", title, guid=token)
-    attributes = {
-        "modelIdentifier": IDENTIFIER,
-        "canHandleVariableCommunicationStepSize": "true",
-        "canGetAndSetFMUstate": "true",
-        "canSerializeFMUstate": "true",
-    }
-    if machine.inputs:
-        attributes["providesDirectionalDerivative"] = "true"
-    simulation = SubElement(root, "CoSimulation", attributes)
+    simulation = _co_simulation(root, machine, "FMUstate", "providesDirectionalDerivative")
     files = SubElement(simulation, "SourceFiles")
     for name in sources:
         SubElement(files, "File", name=name)
