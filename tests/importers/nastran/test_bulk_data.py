@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from supple.errors import ImportFormatError
-from supple.importers.nastran.bulk_data import bulk_real, integer_column, read_bulk_data, reals
+from supple.importers.nastran.bulk_data import bulk_real, integer_column, read_bulk_data, real_column
 
 
 @pytest.fixture
@@ -220,9 +220,9 @@ def test_included_files_are_found_by_other_spellings(read, tmp_path, name):
 def test_columns_of_many_cards(read):
     cards = read("GRID,1,,1.5+1\nGRID,2\n").cards
     assert integer_column(cards, 0, "the id").tolist() == [1, 2]
-    assert reals(cards, 2, "X1", 0.25).tolist() == [15.0, 0.25]
+    assert real_column(cards, 2, "X1", 0.25).tolist() == [15.0, 0.25]
     with pytest.raises(ImportFormatError, match=r"line 2: GRID: X1 \(field 4\) is blank"):
-        reals(cards, 2, "X1")
+        real_column(cards, 2, "X1")
     with pytest.raises(ImportFormatError, match=r"line 1: GRID: X1 \(field 4\) is '1.5\+1', not a whole"):
         integer_column(cards, 2, "X1", 0)
 

@@ -171,6 +171,7 @@ def test_sums_of_freedoms(deck):
         ("RBE2,9,1,123456", "ties no grids"),
         ("RBAR,9,1,3,123", "do not determine a rigid motion"),
         ("RBE1,9,1,123456", "no independent, or no dependent"),
+        ("RTRPLT,9,1,3,4", "no independent, or no dependent"),
         ("RBE3,9,,1,123456,1.,123456", "averages no grids"),
         ("RBE3,9,,1,123456,1.,12,2,3", "the components it averages do not determine"),
         ("RSPLINE,9,.1,1,2", "an interpolation between grids"),

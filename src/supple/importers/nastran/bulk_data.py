@@ -82,6 +82,10 @@ class BulkCard(NamedTuple):
         """The field as a number; `default` and errors as for `integer`."""
         return self._value(place, what, default, bulk_real, "a number")
 
+    def reals(self, first: int, *whats: str) -> list[float]:
+        """The fields from index `first` on as numbers, 0 if blank."""
+        return [self.real(first + i, what, 0.0) for i, what in enumerate(whats)]
+
     def property_id(self) -> int:
         """The id of the property of an element, which is that of the element if its field is blank."""
         return self.integer(1, "the property id", self.integer(0, "the element id"))
@@ -95,10 +99,8 @@ class BulkCard(NamedTuple):
         kind: str,
         limit: str = "",
     ) -> Number:
-        word, what = (
-            self.word(place),
-            f"{what} (field {place % 8 + 2})",
-        )  # Nastran's number in its row, 2 to 9
+        word = self.word(place)
+        what = f"{what} (field {place % 8 + 2})"  # Nastran's number in its row, 2 to 9
         if not word:
             if default is None:
                 raise self.error(f"{what} is blank; give {kind}")
@@ -188,7 +190,7 @@ def integer_column(cards: Sequence[BulkCard], place: int, what: str, default: in
     return np.array([card.integer(place, what, default) for card in cards], dtype=np.int64)
 
 
-def reals(cards: Sequence[BulkCard], place: int, what: str, default: float | None = None) -> FloatArray:
+def real_column(cards: Sequence[BulkCard], place: int, what: str, default: float | None = None) -> FloatArray:
     """One field of many cards as numbers, as `BulkCard.real` reads it."""
     words = _column(cards, place)
     try:

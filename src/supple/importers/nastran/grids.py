@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.arrays import BoolArray, FloatArray, IntArray
 from supple.errors import ImportFormatError
-from supple.importers.nastran.bulk_data import BulkCard, BulkFile, by_id, integer_column, reals
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile, by_id, integer_column, real_column
 from supple.importers.numbering import positions_of_ids
 
 
@@ -154,7 +154,7 @@ def read_grids(file: BulkFile) -> GridPoints:
     given_in = integer_column(cards, 1, "the coordinate system CP", given_in)
     moved_in = integer_column(cards, 5, "the coordinate system CD", moved_in)
     moved_in[moved_in == -1] = 0  # -1 marks a grid of a fluid
-    local = np.stack([reals(cards, 2 + i, f"coordinate X{i + 1}", 0.0) for i in range(3)], axis=1)
+    local = np.stack([real_column(cards, 2 + i, f"coordinate X{i + 1}", 0.0) for i in range(3)], axis=1)
     systems, positions = _resolve(file, ids, given_in, local)
     axes = np.broadcast_to(np.eye(3), (len(ids), 3, 3)).copy()
     for system in np.unique(np.concatenate([given_in, moved_in])).tolist():
@@ -243,9 +243,7 @@ def _system(
         reference = systems.get(card.integer(1, "the reference system", 0))
         if reference is None:
             return None
-        points = reference.basic(
-            [[card.real(2 + 3 * i + j, "a point", 0.0) for j in range(3)] for i in range(3)]
-        )
+        points = reference.basic([card.reals(2 + 3 * i, *["a point"] * 3) for i in range(3)])
     else:
         wanted = np.array([card.integer(place + i, "a grid") for i in (1, 2, 3)])
         numbers, known = positions_of_ids(ids, wanted)

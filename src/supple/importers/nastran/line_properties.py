@@ -53,10 +53,10 @@ def read_rod(card: BulkCard, materials: Materials, reading: DeckReading, added: 
     if isinstance(material, str):
         return material
     if card.name == "PROD":
-        area, J, arm, nsm = (card.real(2 + i, what, 0.0) for i, what in enumerate(("A", "J", "C", "NSM")))
+        area, J, arm, nsm = card.reals(2, "A", "J", "C", "NSM")
         return rod(material, area, J, arm, nsm + added, reading)
     outer = card.real(2, "OD")
-    thickness, nsm, other = (card.real(3 + i, what, 0.0) for i, what in enumerate(("T", "NSM", "OD2")))
+    thickness, nsm, other = card.reals(3, "T", "NSM", "OD2")
     if not 0 <= 2 * thickness <= min(outer, other or outer):
         return f"its thickness T = {thickness:g} is not between 0 and half the outer diameter OD"
     areas, twists = [], []
@@ -79,10 +79,10 @@ def rod(
 
 
 def _pbar(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float) -> BeamProperty:
-    area, I1, I2, J, nsm = (card.real(2 + i, w, 0.0) for i, w in enumerate(("A", "I1", "I2", "J", "NSM")))
-    K1, K2, I12 = (card.real(16 + i, what, 0.0) for i, what in enumerate(("K1", "K2", "I12")))
+    area, I1, I2, J, nsm = card.reals(2, "A", "I1", "I2", "J", "NSM")
+    K1, K2, I12 = card.reals(16, "K1", "K2", "I12")
     mass = material.density * area + (nsm + added) * reading.mass_factor
-    points = _points([card.real(8 + i, what, 0.0) for i, what in enumerate(_POINTS)], card.fields[8:16])
+    points = _points(card.reals(8, *_POINTS), card.fields[8:16])
     return BeamProperty(material, BeamValues(area, I1, I2, J, K1, K2, mass, I12, geometry=points))
 
 
@@ -109,12 +109,12 @@ def _pbend(
             return f"its mean radius RM = {middle:g} and thickness T = {t:g} do not make a pipe"
         values, nsm, offsets = section.beam_values(material.density), card.real(10, "NSM", 0.0), 11
     else:
-        area, I1, I2, J = (card.real(2 + i, what, 0.0) for i, what in enumerate(("A", "I1", "I2", "J")))
-        geometry = _points([card.real(8 + i, w, 0.0) for i, w in enumerate(_POINTS)], card.fields[8:16])
-        K1, K2, nsm = (card.real(16 + i, what, 0.0) for i, what in enumerate(("K1", "K2", "NSM")))
+        area, I1, I2, J = card.reals(2, "A", "I1", "I2", "J")
+        geometry = _points(card.reals(8, *_POINTS), card.fields[8:16])
+        K1, K2, nsm = card.reals(16, "K1", "K2", "NSM")
         values = BeamValues(area, I1, I2, J, K1, K2, material.density * area, geometry=geometry)
     names = ("RC", "ZC") if offsets == 11 else ("RC", "ZC", "DELTAN")
-    if any(card.real(offsets + i, what, 0.0) for i, what in enumerate(names)):
+    if any(card.reals(offsets, *names)):
         reading.leave_out(card, f"the offsets {', '.join(names)} of a curved beam are not read")
     mass = values.mass_per_length + (nsm + added) * reading.mass_factor
     return BeamProperty(material, replace(values, mass_per_length=mass))
@@ -122,8 +122,7 @@ def _pbend(
 
 def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float) -> BeamProperty:
     """Values A I1 I2 I12 J NSM of stations, then K1 K2 S1 S2 NSI CW M1 M2 N1 N2; linear between the ends."""
-    names = ("A", "I1", "I2", "I12", "J", "NSM")
-    at_a = [card.real(2 + i, what, 0.0) for i, what in enumerate(names)]
+    at_a = card.reals(2, "A", "I1", "I2", "I12", "J", "NSM")
     stations, rest, points_a = _rows_of_beam(card)
     at_b, points_b, between = at_a, points_a, []
     for row, points in stations:

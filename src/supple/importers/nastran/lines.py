@@ -82,7 +82,7 @@ def read_rods(
         nsm = added.get(card.integer(0, "the element id"), 0.0)
         if card.name == "CONROD":
             number, total = card.integer(3, "the material id"), card.real(7, "NSM", 0.0) + nsm
-            area, J, arm = (card.real(4 + i, what, 0.0) for i, what in enumerate(("A", "J", "C")))
+            area, J, arm = card.reals(4, "A", "J", "C")
             material = materials.isotropic(number)
             made = material if isinstance(material, str) else rod(material, area, J, arm, total, reading)
             own.cards = {number: card}
@@ -159,9 +159,7 @@ def _orientation(card: BulkCard, ends: list[int], reading: DeckReading) -> tuple
         flag = "GGG"  # blank, or the number BIT of p-elements
     start, end = reading.grids.positions[ends]
     vector = _vector(card, ends[0], start, reading, basic=flag[0] == "B")
-    offsets = np.array(
-        [[card.real(10 + 3 * i + j, f"W{j + 1}{'AB'[i]}", 0.0) for j in range(3)] for i in range(2)]
-    )
+    offsets = np.array([card.reals(10, "W1A", "W2A", "W3A"), card.reals(13, "W1B", "W2B", "W3B")])
     chord = end - start
     for i, letter in enumerate(flag[1:]):
         if not offsets[i].any():

@@ -114,7 +114,7 @@ class Materials:
 
     def _mat1(self, card: BulkCard) -> IsotropicMaterial:
         """E, G and nu determine one another; if all three are given and inconsistent, shear uses G."""
-        E, G, nu = (card.real(1 + i, what, 0.0) for i, what in enumerate(("E", "G", "NU")))
+        E, G, nu = card.reals(1, "E", "G", "NU")
         has_E, has_G, has_nu = E > 0, G > 0, bool(card.word(3))
         shear: float | None = None
         if has_G and has_E and not has_nu:
@@ -148,7 +148,7 @@ class Materials:
         return WallMaterial(Q, G * np.eye(2) if G > 0 else None, found.density, found)
 
     def _mat2(self, card: BulkCard) -> WallMaterial:
-        G = [card.real(1 + i, what, 0.0) for i, what in enumerate(("G11", "G12", "G13", "G22", "G23", "G33"))]
+        G = card.reals(1, "G11", "G12", "G13", "G22", "G23", "G33")
         Q = np.array([[G[0], G[1], G[2]], [G[1], G[3], G[4]], [G[2], G[4], G[5]]])
         Q = Q * self._reading.stiffness_factor
         # A MAT2 that MID3 names gives the transverse shear stiffness by G11, G12, G22.
@@ -156,8 +156,7 @@ class Materials:
         return WallMaterial(Q, shear, self._density(card, 7), None)
 
     def _mat8(self, card: BulkCard) -> WallMaterial | str:
-        names = ("E1", "E2", "NU12", "G12", "G1Z", "G2Z")
-        E1, E2, nu, G12, G1Z, G2Z = (card.real(1 + i, what, 0.0) for i, what in enumerate(names))
+        E1, E2, nu, G12, G1Z, G2Z = card.reals(1, "E1", "E2", "NU12", "G12", "G1Z", "G2Z")
         d = 1 - nu**2 * E2 / E1 if E1 > 0 else 0.0
         if not (E2 > 0 and d > 0):
             return f"its material {card.word(0)} has no stiffness: E1 = {E1:g}, E2 = {E2:g}, NU12 = {nu:g}"
@@ -170,15 +169,14 @@ class Materials:
 
     def _mat9(self, card: BulkCard) -> AnisotropicMaterial:
         G = np.zeros((6, 6))
-        G[np.triu_indices(6)] = [card.real(1 + i, "a stiffness G", 0.0) for i in range(21)]
+        G[np.triu_indices(6)] = card.reals(1, *["a stiffness G"] * 21)
         G = G + np.triu(G, 1).T
         return AnisotropicMaterial(
             G[np.ix_(_ORDER, _ORDER)] * self._reading.stiffness_factor, self._density(card, 22)
         )
 
     def _mat11(self, card: BulkCard) -> AnisotropicMaterial | str:
-        names = ("E1", "E2", "E3", "NU12", "NU13", "NU23", "G12", "G13", "G23")
-        constants = [card.real(1 + i, what, 0.0) for i, what in enumerate(names)]
+        constants = card.reals(1, "E1", "E2", "E3", "NU12", "NU13", "NU23", "G12", "G13", "G23")
         if min(*constants[:3], *constants[6:]) <= 0:
             return f"its material {card.word(0)} has a modulus that is not positive"
         C = orthotropic_stiffness(*constants)

@@ -42,10 +42,7 @@ def read_point_elements(reading: DeckReading, materials: Materials) -> None:
                     rows.add(terms, card.line, value=value * factor)
     for card in reading.file.named("CVISC"):
         _viscous(card, scalars["PVISC"], reading)
-    for name, of, read in (
-        ("CBUSH", "PBUSH", _bush),
-        ("CBUSH1D", "PBUSH1D", _bush_along),
-    ):
+    for name, of, read in (("CBUSH", "PBUSH", _bush), ("CBUSH1D", "PBUSH1D", _bush_along)):
         properties = by_id(reading.file.named(of), "property")
         for card in reading.file.named(name):
             known = _property(card, properties, of, reading)
@@ -54,10 +51,8 @@ def read_point_elements(reading: DeckReading, materials: Materials) -> None:
     panels = by_id(reading.file.named("PSHEAR"), "property")
     for card in reading.file.named("CSHEAR"):
         _shear_panel(card, panels.get(card.property_id()), materials, reading)
-    for card in reading.file.named("CONM2"):
-        reading.masses.append(_conm2(card, reading))
-    for card in reading.file.named("CONM1"):
-        reading.masses.append(_conm1(card, reading))
+    reading.masses += [_conm2(card, reading) for card in reading.file.named("CONM2")]
+    reading.masses += [_conm1(card, reading) for card in reading.file.named("CONM1")]
 
 
 def _several(cards: list[BulkCard], step: int) -> dict[int, tuple[BulkCard, int]]:
@@ -119,17 +114,21 @@ def _relative(
     return terms
 
 
-def _bush(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
-    """EID PID GA GB X1 X2 X3/G0 CID S OCID S1 S2 S3: springs and dampers at a point between two grids."""
+def _ends(card: BulkCard, reading: DeckReading) -> tuple[int, int | None, FloatArray, FloatArray]:
+    """Grids GA and GB, and their positions; without GB, which is then ground, twice the position of GA."""
     a = reading.node(card, 2, "the grid GA")
     b = reading.node(card, 3, "the grid GB") if card.word(3) not in ("", "0") else None
-    xa = reading.grids.positions[a]
-    xb = xa if b is None else reading.grids.positions[b]
+    return a, b, reading.grids.positions[a], reading.grids.positions[a if b is None else b]
+
+
+def _bush(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
+    """EID PID GA GB X1 X2 X3/G0 CID S OCID S1 S2 S3: springs and dampers at a point between two grids."""
+    a, b, xa, xb = _ends(card, reading)
     axes = _bush_axes(card, a, xa, xb, reading)
     if card.word(9) in ("", "-1"):
         at = xa + card.real(8, "S", 0.5) * (xb - xa)
     else:
-        given = [card.real(10 + i, f"S{i + 1}", 0.0) for i in range(3)]
+        given = card.reals(10, "S1", "S2", "S3")
         at = reading.system(card, card.integer(9, "OCID")).basic(given)
     rows = {
         "K": (reading.springs, reading.stiffness_factor),
@@ -176,9 +175,8 @@ def _bush_values(known: BulkCard) -> dict[str, list[float]]:
 def _bush_mass(a: int, b: int | None, mass: float, reading: DeckReading) -> None:
     ends = [a] if b is None else [a, b]
     for node in ends:
-        freedoms = 6 * node + np.arange(3)
         share = mass * reading.mass_factor / len(ends)
-        reading.masses.append(NodalMatrix(freedoms, share * np.eye(3)))
+        reading.masses.append(NodalMatrix(6 * node + np.arange(3), share * np.eye(3)))
 
 
 def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: DeckReading) -> FloatArray:
@@ -203,15 +201,13 @@ def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: 
 
 def _bush_along(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
     """EID PID GA GB CID; PBUSH1D: K C M: a spring and damper along GA-GB or x of CID, and a mass."""
-    a = reading.node(card, 2, "the grid GA")
-    b = reading.node(card, 3, "the grid GB") if card.word(3) not in ("", "0") else None
-    xa = reading.grids.positions[a]
+    a, b, xa, xb = _ends(card, reading)
     if card.word(4):
         axes = reading.system(card, card.integer(4, "CID")).directions(xa[None])[0]
     else:
-        axes = _along(card, xa, xa if b is None else reading.grids.positions[b], "give CID")
+        axes = _along(card, xa, xb, "give CID")
     terms = _relative(a, b, axes, xa, 0, reading)
-    k, c, m = (known.real(1 + i, what, 0.0) for i, what in enumerate("KCM"))
+    k, c, m = known.reals(1, "K", "C", "M")
     if any(known.word(place) for place in range(8, len(known.fields))):
         reading.leave_out(known, "values that depend on displacement or speed are not read; K and C are")
     if k:
@@ -257,10 +253,8 @@ def _conm2(card: BulkCard, reading: DeckReading) -> NodalMatrix:
     """
     node = reading.node(card, 1, "the grid G")
     m = card.real(3, "M", 0.0)
-    offset = np.array([card.real(4 + i, f"X{i + 1}", 0.0) for i in range(3)])
-    I11, I21, I22, I31, I32, I33 = (
-        card.real(8 + i, what, 0.0) for i, what in enumerate(("I11", "I21", "I22", "I31", "I32", "I33"))
-    )
+    offset = np.array(card.reals(4, "X1", "X2", "X3"))
+    I11, I21, I22, I31, I32, I33 = card.reals(8, "I11", "I21", "I22", "I31", "I32", "I33")
     inertia = np.array([[I11, -I21, -I31], [-I21, I22, -I32], [-I31, -I32, I33]])
     system = card.integer(2, "CID", 0)
     at = reading.grids.positions[node]
@@ -278,7 +272,7 @@ def _conm1(card: BulkCard, reading: DeckReading) -> NodalMatrix:
     """EID G CID M11 M21 M22 M31 .. M66: a symmetric matrix in the axes of CID."""
     node = reading.node(card, 1, "the grid G")
     M = np.zeros((6, 6))
-    M[np.tril_indices(6)] = [card.real(3 + i, "an entry", 0.0) for i in range(21)]
+    M[np.tril_indices(6)] = card.reals(3, *["an entry"] * 21)
     M = M + np.tril(M, -1).T
     at = reading.grids.positions[node]
     axes = np.kron(np.eye(2), reading.system(card, card.integer(2, "CID", 0)).directions(at[None])[0])
@@ -309,7 +303,7 @@ def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, r
     if known is None or isinstance(material, str) or material is None:
         reading.leave_out(card, "elements left out: their property or material is not supported")
         return
-    t, nsm, F1, F2 = (known.real(2 + i, what, 0.0) for i, what in enumerate(("T", "NSM", "F1", "F2")))
+    t, nsm, F1, F2 = known.reals(2, "T", "NSM", "F1", "F2")
     if F1 or F2:
         reading.leave_out(known, "the extensional stiffness F1, F2 of a shear panel's edges is not read")
     nodes = grids_named([card], reading, 2, 4)[0]

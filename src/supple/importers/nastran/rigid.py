@@ -42,7 +42,7 @@ def read_ties(reading: DeckReading, turning: BoolArray) -> tuple[list[RigidTie],
             case "RTRPLT":
                 _rtrplt(card, reading, rigid)
             case _:
-                _rbe1(card, reading)
+                _rigid_rows(card, *_rbe1_sides(card, reading), reading)
     return rigid, means
 
 
@@ -145,15 +145,20 @@ def _rigid_motions(
     return np.array(T), own
 
 
-def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], reading: DeckReading) -> None:
+def _rigid_rows(
+    card: BulkCard, independent: Iterable[Side], dependent: Iterable[Side], reading: DeckReading
+) -> None:
     """Add constraints: dependent components follow the rigid motion that six independent ones determine.
 
     The motion q (6,) of the rigid body follows from the independent components,  u_I = T_I q,  so that the
     dependent ones are  u_M = T_M T_I^-1 u_I.  A row of T is the direction of a component and its moment about
     the first independent node.
     """
+    independent, dependent = ([side for side in sides if side[1]] for sides in (independent, dependent))
+    if not independent or not dependent:
+        reading.leave_out(card, "left out: it has no independent, or no dependent components")
+        return
     origin = reading.grids.positions[independent[0][0]]
-
     T_I, u_I = _rigid_motions(independent, origin, reading)
     # The negated comparison is also true for NaN.
     if T_I.shape != (6, 6) or not abs(np.linalg.det(T_I)) > 1e-12 * np.prod(np.linalg.norm(T_I, axis=1)):
@@ -162,11 +167,18 @@ def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], 
     T_M, u_M = _rigid_motions(dependent, origin, reading)
     weights = T_M @ np.linalg.inv(T_I)
     for own, row in zip(u_M, weights, strict=True):
-        terms = list(own)
-        for factor, of in zip(row, u_I, strict=True):
-            if abs(factor) > 1e-12 * np.abs(row).max():
-                terms += times(of, -float(factor))
-        reading.constraints.add(terms, card.line, dependent=_alone(own))
+        _follow_sum(card, own, row, u_I, 1e-12, reading)
+
+
+def _follow_sum(
+    card: BulkCard, own: Terms, row: FloatArray, terms: Sequence[Terms], least: float, reading: DeckReading
+) -> None:
+    """Add the constraint  own = row . terms,  without factors below `least` of the largest one."""
+    found = list(own)
+    for factor, term in zip(row, terms, strict=True):
+        if abs(factor) > least * np.abs(row).max():
+            found += times(term, -float(factor))
+    reading.constraints.add(found, card.line, dependent=_alone(own))
 
 
 def _rest(components: str) -> str:
@@ -187,12 +199,7 @@ def _rbar(card: BulkCard, reading: DeckReading, rigid: list[RigidTie]) -> None:
         if sorted(own) == list("123456") == sorted(ties):
             rigid.append(RigidTie(name, reference, np.array([node]), card.line))
             return
-    independent = [(node, c) for node, c in ((a, cna), (b, cnb)) if c]
-    dependent = [(node, c) for node, c in ((a, cma), (b, cmb)) if c]
-    if independent and dependent:
-        _rigid_rows(card, independent, dependent, reading)
-    else:
-        reading.leave_out(card, "left out: it has no independent, or no dependent components")
+    _rigid_rows(card, [(a, cna), (b, cnb)], [(a, cma), (b, cmb)], reading)
 
 
 def _rrod(card: BulkCard, reading: DeckReading) -> None:
@@ -218,20 +225,7 @@ def _rtrplt(card: BulkCard, reading: DeckReading, rigid: list[RigidTie]) -> None
     if sorted(own[0]) == list("123456") and all(sorted(c) == list("123456") for c in ties[1:]):
         rigid.append(RigidTie(f"rtrplt_{card.word(0)}", nodes[0], np.array(nodes[1:]), card.line))
         return
-    _rigid_rows(
-        card,
-        [(n, c) for n, c in zip(nodes, own, strict=True) if c],
-        [(n, c) for n, c in zip(nodes, ties, strict=True) if c],
-        reading,
-    )
-
-
-def _rbe1(card: BulkCard, reading: DeckReading) -> None:
-    independent, dependent = _rbe1_sides(card, reading)
-    if not independent or not dependent:
-        reading.leave_out(card, "left out: it has no independent, or no dependent components")
-        return
-    _rigid_rows(card, independent, dependent, reading)
+    _rigid_rows(card, zip(nodes, own, strict=True), zip(nodes, ties, strict=True), reading)
 
 
 def _rbe1_sides(card: BulkCard, reading: DeckReading) -> tuple[list[Side], list[Side]]:
@@ -353,12 +347,7 @@ def _mean_rows(
     for component in (int(c) - 1 for c in follows):
         e = reading.grids.axes[reference][:, component % 3]
         row = e @ mean[3 * (component // 3) : 3 * (component // 3) + 3]
-        of = reading.node_freedom(reference, component)
-        terms = list(of)
-        for factor, term in zip(row, own, strict=True):
-            if abs(factor) > 1e-13 * np.abs(row).max():
-                terms += times(term, -float(factor))
-        reading.constraints.add(terms, card.line, dependent=_alone(of))
+        _follow_sum(card, reading.node_freedom(reference, component), row, own, 1e-13, reading)
 
 
 def read_multipoint_constraints(reading: DeckReading) -> None:

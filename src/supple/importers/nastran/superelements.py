@@ -152,7 +152,7 @@ def _main_points(card: BulkCard, places: Iterable[int], file: BulkFile, grids: G
                 raise points[0].error(
                     f"names coordinate system {own}, which the file does not define; add it"
                 )
-            local = [[points[0].real(2 + i, f"coordinate X{i + 1}", 0.0) for i in range(3)]]
+            local = [points[0].reals(2, *(f"coordinate X{i}" for i in (1, 2, 3)))]
             found.append(grids.systems[own].basic(local)[0])
         else:
             raise card.error(f"names grid {number}, which the main bulk data do not define; add it")
