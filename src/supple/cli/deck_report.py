@@ -126,8 +126,7 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
         yield "centre", _listed(without_noise(mass.centre, like=deck.nodes))
         yield "inertia about the centre, xx yy zz xy xz yz", _listed(without_noise(inertia_numbers(mass)))
     yield from _parts(deck)
-    for what, given in _beside(deck):
-        yield what, given
+    yield from _beside(deck)
     yield from _named(deck)
     for name, own in report.superelements.items():
         weight = "" if own is None else f", mass {own.mass:.6g}"

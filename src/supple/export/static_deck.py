@@ -138,35 +138,34 @@ def _check(model: FiniteElementModel, loads: NDArray[np.float64], held: IntArray
             "body's matrices instead (write_dmig_punch)"
         )
     for section in model.sections:
-        if section.cell_type is CellType.LINE2:
-            raise ModelError(
-                "beams cannot be written: CalculiX needs the shape of their section, and only its stiffness "
-                "is known; write the body's matrices instead (write_dmig_punch)"
-            )
-        if section.cell_type.dimension == 3 and section.cell_type not in _SOLID_TYPES:
-            raise ModelError(
-                f"{section.cell_type.name} cells cannot be written: CalculiX has no such element; "
-                "mesh with tetrahedra, wedges or hexahedra"
-            )
-        if isinstance(section.property, Anisotropic):
-            raise ModelError(
-                "an anisotropic material cannot be written; write the body's matrices instead "
-                "(write_dmig_punch)"
-            )
-        given = section.property
-        if isinstance(given, HomogeneousSection) and (given.offset or given.added_mass):
-            raise ModelError(
-                "a shell section with an offset or an added mass cannot be written; leave them out"
-            )
-        if isinstance(given, HomogeneousSection | Isotropic) and _material(section).stated_shear_modulus:
-            raise ModelError(
-                "a material with a separate shear modulus cannot be written; leave the shear modulus out"
-            )
-        if not isinstance(section.property, HomogeneousSection | Isotropic):
-            raise ModelError(
-                "a laminate cannot be written: *SHELL SECTION, COMPOSITE needs plies, and only the A-B-D "
-                "matrix is known; write the body's matrices instead (write_dmig_punch)"
-            )
+        for reason in _refusals(section):
+            raise ModelError(reason)
+
+
+def _refusals(section: Section) -> Iterator[str]:
+    """Reasons why a section cannot be written, with the remedy."""
+    kind, given, matrices = section.cell_type, section.property, "write the body's matrices instead"
+    if kind is CellType.LINE2:
+        yield (
+            "beams cannot be written: CalculiX needs the shape of their section, and only its stiffness "
+            f"is known; {matrices} (write_dmig_punch)"
+        )
+    if kind.dimension == 3 and kind not in _SOLID_TYPES:
+        yield (
+            f"{kind.name} cells cannot be written: CalculiX has no such element; "
+            "mesh with tetrahedra, wedges or hexahedra"
+        )
+    if isinstance(given, Anisotropic):
+        yield f"an anisotropic material cannot be written; {matrices} (write_dmig_punch)"
+    if isinstance(given, HomogeneousSection) and (given.offset or given.added_mass):
+        yield "a shell section with an offset or an added mass cannot be written; leave them out"
+    if isinstance(given, HomogeneousSection | Isotropic) and _material(section).stated_shear_modulus:
+        yield "a material with a separate shear modulus cannot be written; leave the shear modulus out"
+    if not isinstance(given, HomogeneousSection | Isotropic):
+        yield (
+            "a laminate cannot be written: *SHELL SECTION, COMPOSITE needs plies, and only the A-B-D "
+            f"matrix is known; {matrices} (write_dmig_punch)"
+        )
 
 
 def _sides(model: FiniteElementModel, program: DeckProgram) -> IntArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -43,6 +43,9 @@ class JointForceSensor(OfJoint):
     joint : name of the joint
     """
 
+    quantity: ClassVar[QuantityKind] = QuantityKind.FORCE
+    body: ClassVar[None] = None  # a joint connects two bodies
+
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
         joint_named(system, self.joint, self.name)
@@ -52,15 +55,6 @@ class JointForceSensor(OfJoint):
         """(t, 6)."""
         joint_named(system, self.joint, self.name)
         return np.asarray(solution.joint_forces[self.joint])
-
-    @property
-    def quantity(self) -> QuantityKind:
-        """The kind of the quantity of interest: a force."""
-        return QuantityKind.FORCE
-
-    @property
-    def body(self) -> None:
-        """None: a joint connects two bodies."""
 
     @property
     def words(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -90,10 +90,7 @@ class SignedVonMises:
     assessed by `CriticalPlane`.
     """
 
-    @property
-    def n_histories(self) -> int:
-        """One."""
-        return 1
+    n_histories: ClassVar[int] = 1
 
     def histories(self, stress: FloatArray) -> FloatArray:
         """(t, k, 1) from stresses (t, k, 6)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -76,6 +76,7 @@ class WholeBody:
     """Positions of all nodes of a body in space."""
 
     body: str
+    quantity: ClassVar[QuantityKind] = QuantityKind.LENGTH
 
     @property
     def name(self) -> str:
@@ -86,11 +87,6 @@ class WholeBody:
     def words(self) -> str:
         """Description of the quantity and its norm."""
         return f"positions of body '{self.body}': RMS over its nodes, largest over the run"
-
-    @property
-    def quantity(self) -> QuantityKind:
-        """Kind of the quantity: a length."""
-        return QuantityKind.LENGTH
 
     def at_points(self, system: System, solution: Solution) -> FloatArray:
         """Positions (t, N, 3)."""

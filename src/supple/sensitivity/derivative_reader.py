@@ -13,8 +13,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from supple.arrays import FloatArray
+from supple.equations.configuration import Configuration
+from supple.equations.machine_model import Model
 from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import System
@@ -22,13 +25,17 @@ from supple.methods.floating.compiled.engine import as_solution
 from supple.methods.floating.compiled.sensitivity_step import StateChange
 from supple.methods.floating.compiled.state import State
 from supple.sensitivity.differences import OFFSETS, central_difference, looks_smooth
-from supple.sensitivity.moved_motion import displaced_states, small_step
 from supple.sensitivity.observable import Observables, observables_of, reads_elements
 from supple.sensitivity.parameter_changes import ParameterChanges
 
 _STEPS = (1.0, 1e-2, 1e-4)
-"""Steps along motion', relative to the smaller of `small_step` and the parameter's step: the next one is
+"""Steps along motion', relative to the smaller of `_small_step` and the parameter's step: the next one is
 tried for observables that are not smooth."""
+_SMALL = 1e-3
+"""Largest change of the motion by `_small_step`: rotations in rad, positions relative to the length of the
+machine, deformations relative to the largest one of the body."""
+_UNDEFORMED = 1e-8
+"""Least reference value of a deformation, relative to the machine's length."""
 
 
 def read(observables: Observables, system: System, solution: Solution) -> dict[str, FloatArray]:
@@ -85,7 +92,7 @@ class DerivativeReader:
 
     def _by_motion(self, number: int, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         # A parameter that does not affect the motion, such as the mass of a pendulum, may affect forces.
-        of_motion = small_step(self.machine.model, self.states, self.changes, number)
+        of_motion = _small_step(self.machine.model, self.states, self.changes, number)
         largest = min(of_motion, self.machine.neighbours[number].step)
         found: dict[str, FloatArray] = {}
         for part in _STEPS:
@@ -95,7 +102,7 @@ class DerivativeReader:
                 around = [
                     self._read(
                         self.machine.system,
-                        displaced_states(self.states, self.changes, number, offset * step),
+                        _displaced(self.states, self.changes, number, offset * step),
                     )
                     for offset in OFFSETS
                 ]
@@ -117,3 +124,53 @@ class DerivativeReader:
             for name, own in found.items()
             if looks_smooth(values[name], own)
         }
+
+
+def _displaced(states: State, change: StateChange, parameter: int, step: float) -> State:
+    """States (t, ..) displaced by a step of a parameter along derivatives (t, p, ..).
+
+    Displaced rotation matrices are orthogonal: A exp(step [w]).
+    """
+    carried = change.carried
+    of_configuration = carried.configuration
+
+    def along(name: str) -> np.ndarray:
+        return getattr(states, name) + step * getattr(carried, name)[:, parameter]
+
+    configuration = states.configuration
+    turn = _rotation_vectors(configuration.rotations, of_configuration.rotations[:, parameter])
+    turned = Rotation.from_rotvec(step * turn.reshape(-1, 3)).as_matrix().reshape(*turn.shape, 3)
+    return states._replace(
+        configuration=Configuration(
+            configuration.origins + step * of_configuration.origins[:, parameter],
+            configuration.rotations @ turned,
+            configuration.coordinates + step * of_configuration.coordinates[:, parameter],
+        ),
+        velocity=along("velocity"),
+        acceleration=along("acceleration"),
+        multipliers=states.multipliers + step * change.multipliers[:, parameter],
+    )
+
+
+def _rotation_vectors(rotations: np.ndarray, changes: np.ndarray) -> np.ndarray:
+    """`w` (.., 3) of `dA = A [w]`, in body axes; [w] is the skew matrix of w."""
+    skew = np.swapaxes(rotations, -1, -2) @ changes
+    skew = (skew - np.swapaxes(skew, -1, -2)) / 2
+    return np.stack([skew[..., 2, 1], skew[..., 0, 2], skew[..., 1, 0]], axis=-1)
+
+
+def _small_step(model: Model, states: State, change: StateChange, parameter: int) -> float:
+    """The step of a parameter that changes the configuration by at most `_SMALL`; inf without any effect."""
+    configuration, of = states.configuration, change.carried.configuration
+    turn = _rotation_vectors(configuration.rotations, of.rotations[:, parameter])
+    sizes = [np.abs(turn).max(), np.abs(of.origins[:, parameter]).max() / float(model.length)]
+    for group in model.groups:
+        if not group.r:
+            continue
+        places = group.coordinates.index
+        scale = np.asarray(group.coordinate_scale)[:, None]
+        deformed = np.abs(configuration.coordinates[:, places] / scale).max()
+        change_of = np.abs(of.coordinates[:, parameter][:, places] / scale).max()
+        sizes.append(change_of / max(deformed, _UNDEFORMED))
+    largest = max(sizes)
+    return _SMALL / largest if largest > 0 else np.inf

@@ -71,13 +71,14 @@ class DeckReading:
         """All omitted cards, counted by name and consequence."""
         return left_out_by_card(self._left)
 
-    def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
+    def chosen_sets(self, command: str, adder: str, cards: Sequence[BulkCard]) -> set[int]:
         """Ids of the sets of a command that case control selects, with those that `adder` (SPCADD) combines.
 
         Without case control: the only set of the file; none if there are several, with a record.
 
-        sets : ids of all sets of the command in the file
+        cards : those of all sets of the command in the file
         """
+        sets = {card.integer(0, "the set id") for card in cards}
         number = self.case.number(command)
         if number is None:
             if self.case.present or len(sets) != 1:
@@ -88,7 +89,7 @@ class DeckReading:
                     for card in self.file.named(command, f"{command}1", f"{command}L", f"{command}L1"):
                         self.leave_out(card, "left out: the file has no case control that selects a set")
                 return set()
-            return set(sets)
+            return sets
         if command in self.case.varied:
             self.note(f"Subcases differ in their {command} set; {number}, the first one, is read.")
         joined = {number}

@@ -32,12 +32,9 @@ def read_added_mass(reading: DeckReading) -> dict[int, float]:
     the area or length of their elements. The sets are those of `DeckReading.chosen_sets`.
     """
     cards = reading.file.named("NSM", "NSM1", "NSML", "NSML1")
-    sets = {card.integer(0, "the set id") for card in cards}
-    chosen = reading.chosen_sets("NSM", "NSMADD", sets)
+    chosen = reading.chosen_sets("NSM", "NSMADD", cards)
     found: dict[int, float] = {}
-    for card in cards:
-        if card.integer(0, "the set id") not in chosen:
-            continue
+    for card in (each for each in cards if each.integer(0, "the set id") in chosen):
         for of, ids, value in _entries(card, reading):
             elements = _members(card, of, ids, reading)
             share = value

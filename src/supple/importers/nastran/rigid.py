@@ -353,11 +353,8 @@ def _mean_rows(
 def read_multipoint_constraints(reading: DeckReading) -> None:
     """Add the constraints of the MPC cards in the sets of `DeckReading.chosen_sets`."""
     cards = reading.file.named("MPC")
-    sets = {card.integer(0, "the set id") for card in cards}
-    chosen = reading.chosen_sets("MPC", "MPCADD", sets)
-    for card in cards:
-        if card.integer(0, "the set id") not in chosen:
-            continue
+    chosen = reading.chosen_sets("MPC", "MPCADD", cards)
+    for card in (each for each in cards if each.integer(0, "the set id") in chosen):
         terms: Terms = []
         dependent = -1
         # A row of eight fields has two terms G C A, which start in its second and fifth field.

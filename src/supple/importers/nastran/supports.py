@@ -28,7 +28,7 @@ def read_supports(reading: DeckReading, tied: Collection[int] = ()) -> dict[str,
     """
     found: dict[str, dict[int, None]] = {}
     cards = reading.file.named("SPC", "SPC1")
-    chosen = reading.chosen_sets("SPC", "SPCADD", {card.integer(0, "the set id") for card in cards})
+    chosen = reading.chosen_sets("SPC", "SPCADD", cards)
     held: dict[tuple[int, int], int] = {}
     for node, word in enumerate(reading.grids.supports.tolist()):
         if word and word != "0":
