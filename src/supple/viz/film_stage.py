@@ -102,14 +102,8 @@ class Stage:
         moving = self._moving
         if moving.skin is not None:
             values = None if moving.values is None else moving.values[number]
-            picture = render(
-                moving.positions[number],
-                moving.skin,
-                self._camera,
-                self._page,
-                values=values,
-                colouring=lambda value: self._scale.to_rgba(value)[:, :3],
-            )
+            nodes, skin = moving.positions[number], moving.skin
+            picture = render(nodes, skin, self._camera, self._page, values, self._scale)
             self._image.rows = (255.0 * picture + 0.5).astype(np.uint8)
         if self._glyphs is not None:
             self._glyphs.show(number)

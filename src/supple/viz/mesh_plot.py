@@ -155,15 +155,7 @@ def draw_surface(
         )
     picture = np.zeros((page.n_rows, page.n_columns, 4))
     if skin is not None:
-        # Masked, because bands alone would give NaN the highest colour.
-        picture = render(
-            nodes,
-            skin,
-            camera,
-            page,
-            values=values,
-            colouring=lambda value: colours.to_rgba(np.ma.masked_invalid(value))[:, :3],
-        )
+        picture = render(nodes, skin, camera, page, values, colours)
         if undeformed is not None:
             draw_outline(axes, undeformed, skin, camera)
     show(axes, picture, page)

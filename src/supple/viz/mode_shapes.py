@@ -86,16 +86,8 @@ def plot_mode_shapes(
         figure = new_figure(height + 0.9)
         grid = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
         for i, (axes, shape, name) in enumerate(zip(grid, shapes, titles, strict=False)):
-            picture = render(
-                shape,
-                skin,
-                camera,
-                page,
-                values=length[i] / largest[i],
-                colouring=lambda v: colours.to_rgba(v)[:, :3],
-            )
             draw_outline(axes, nodes, skin, camera)
-            show(axes, picture, page)
+            show(axes, render(shape, skin, camera, page, length[i] / largest[i], colours), page)
             if beside is not None:
                 DrawnGlyphs(axes, beside, camera).show(i)
             axes.set_title(name, fontsize=8.5, pad=2.0)

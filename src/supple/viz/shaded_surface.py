@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
@@ -15,9 +15,6 @@ from supple.mesh.skin import Skin
 from supple.results.camera import Camera
 from supple.viz.depth_buffer import visible_triangles
 from supple.viz.style import SURFACE_COLOUR
-
-Colouring = Callable[[FloatArray], FloatArray]
-"""Function of values (p,); returns red, green, blue (p, 3) in [0, 1]."""
 
 # Unit vector to the light, over the viewer's left shoulder. Components: right, up, towards the viewer.
 _LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])
@@ -75,14 +72,13 @@ def render(
     skin: Skin,
     camera: Camera,
     page: PixelWindow,
-    *,
     values: FloatArray | None = None,
-    colouring: Colouring | None = None,
+    colours: ScalarMappable | None = None,
 ) -> FloatArray:
     """Picture (rows, columns, 4) of a surface: RGB and alpha from the bottom row; transparent elsewhere.
 
-    Both sides are lit equally, because both sides of a shell can be visible. With nodal values (N,) and a
-    colouring, the colour of each pixel follows from the interpolated value.
+    Both sides are lit equally, because both sides of a shell can be visible. With nodal values (N,) and their
+    colours, the colour of each pixel follows from the interpolated value.
     """
     k, triangles = _SUPERSAMPLING, skin.triangles
     fine = PixelWindow(page.low, page.high, k * page.n_columns)
@@ -92,8 +88,10 @@ def render(
     seen = visible_triangles(corners, nearness, shape)
 
     base = np.broadcast_to(to_rgb(SURFACE_COLOUR), (len(seen.pixel), 3))
-    if values is not None and colouring is not None:
-        base = colouring(np.einsum("pi,pi->p", seen.weights, values[triangles[seen.triangle]]))
+    if values is not None and colours is not None:
+        interpolated = np.einsum("pi,pi->p", seen.weights, values[triangles[seen.triangle]])
+        # Masked, because bands would give NaN the highest colour.
+        base = colours.to_rgba(np.ma.masked_invalid(interpolated))[:, :3]
     brightness, gloss = _lighting(np.concatenate([plane, nearness[..., None]], axis=-1))
     colour = base * brightness[seen.triangle, None] + gloss[seen.triangle, None]
     colour *= 1.0 - 0.25 * _on_mesh_line(corners, skin.mesh_lines, seen.triangle, seen.weights)[:, None]
