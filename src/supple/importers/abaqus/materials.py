@@ -171,7 +171,4 @@ _ELASTIC = {
 _CONSTANTS = {"ISO": 2, "ENG": 9, "LAM": 6, "ORTHO": 9, "ANISO": 21}
 # Row and column of each constant in the order of the file; 11 22 33 12 13 23 count from 0.
 _ORTHOTROPIC = (np.array([0, 0, 1, 0, 1, 2, 3, 4, 5]), np.array([0, 1, 1, 2, 2, 2, 3, 4, 5]))
-_ANISOTROPIC = (
-    np.array([row for column in range(6) for row in range(column + 1)]),
-    np.array([column for column in range(6) for _ in range(column + 1)]),
-)
+_ANISOTROPIC = np.tril_indices(6)

@@ -245,9 +245,8 @@ def _general(
             f"*SHELL GENERAL SECTION has 21 stiffnesses, not {len(values)}; is the file cut short?",
         )
     stiffness = np.zeros((6, 6))
-    rows = [row for column in range(6) for row in range(column + 1)]
-    columns = [column for column in range(6) for _ in range(column + 1)]
-    stiffness[rows, columns] = stiffness[columns, rows] = values[:21]
+    i, j = np.tril_indices(6)
+    stiffness[i, j] = stiffness[j, i] = values[:21]
     A, B, D = stiffness[:3, :3], stiffness[:3, 3:], stiffness[3:, 3:]
     # D = A t^2 / 12 for a homogeneous wall.
     thickness = float(np.sqrt(12 * np.trace(D) / np.trace(A))) if np.trace(A) > 0 < np.trace(D) else 1.0
