@@ -148,14 +148,7 @@ def _run_case(case: Case, folder: Path, beside: DrawingProcess, options: _Option
         return drawing_of(case, system, solution, tracked, folder, correction_numbers(rounds))
 
     try:
-        system, solution = _simulated(
-            case,
-            folder,
-            rounds,
-            known,
-            inputs,
-            options,
-        )
+        system, solution = _simulated(case, folder, rounds, known, inputs, options)
     except SelfCorrectionError:
         _write_report(case, folder, correction_numbers(rounds), {})
         if rounds and case.tables.output.pictures:

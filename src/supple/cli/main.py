@@ -69,7 +69,12 @@ NoErrors = Annotated[
         "--no-errors", help="Skip the error estimate of the bases, which factorises the full bodies."
     ),
 ]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback of an error.")]
+_DEBUG = Parameter(
+    "debug",
+    Parameter.KEYWORD_ONLY,
+    default=False,
+    annotation=Annotated[bool, typer.Option("--debug", help="Show the whole traceback of an error.")],
+)
 
 
 def main() -> None:
@@ -84,6 +89,19 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         console.print(f"supple {__version__}", highlight=False)
         raise typer.Exit
+
+
+def reported(command: Callable[..., None]) -> Callable[..., None]:
+    """Decorator: a command with the option --debug, whose errors and warnings are printed."""
+
+    @wraps(command)
+    def called(*, debug: bool, **given: Any) -> None:
+        with reported_errors(debug=debug), reported_warnings():
+            command(**given)
+
+    own = signature(command, eval_str=True).parameters.values()
+    vars(called)["__signature__"] = Signature([*own, _DEBUG])
+    return called
 
 
 def with_options(kind: type[ExportOptions]) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -117,6 +135,7 @@ def _options(
 
 
 @app.command()
+@reported
 def run(
     case: CaseFile,
     output: Folder = None,
@@ -132,27 +151,19 @@ def run(
         bool, typer.Option("--no-errors", help="Skip the error estimate, which repeats the run twice.")
     ] = False,
     allow_code: AllowCode = False,
-    debug: Debug = False,
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), report (HTML), pictures (PNG) and animation (GIF)."""
     # Imported here, because the solvers take seconds to load, and help and version do not need them.
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.computed_case import run_case
 
-    with reported_errors(debug=debug), reported_warnings():
-        keep_compiled_programs()
-        run_case(
-            case,
-            output or Path("results") / case.stem,
-            resume=resume,
-            force=force,
-            strict=strict,
-            errors=not no_errors,
-            allow_code=allow_code,
-        )
+    keep_compiled_programs()
+    folder, errors = output or Path("results") / case.stem, not no_errors
+    run_case(case, folder, resume=resume, force=force, strict=strict, errors=errors, allow_code=allow_code)
 
 
 @sweep_app.command("run", hidden=True)
+@reported
 def sweep(
     path: Annotated[
         Path,
@@ -181,7 +192,6 @@ def sweep(
         bool, typer.Option("--force", help="Start again and replace the folder. Not with --share.")
     ] = False,
     allow_code: AllowCode = False,
-    debug: Debug = False,
 ) -> None:
     """Simulate the cases of a table; the same command continues an interrupted sweep.
 
@@ -190,26 +200,23 @@ def sweep(
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.sweep import chosen_executors, sweep_cases
 
-    with reported_errors(debug=debug), reported_warnings():
-        keep_compiled_programs()
-        executors = chosen_executors(workers, cluster, mpi, share)
-        folder = output or Path("results") / path.stem
-        sweep_cases(path, folder, executors, share, force=force, allow_code=allow_code)
+    keep_compiled_programs()
+    executors = chosen_executors(workers, cluster, mpi, share)
+    folder = output or Path("results") / path.stem
+    sweep_cases(path, folder, executors, share, force=force, allow_code=allow_code)
 
 
 @sweep_app.command("status")
-def sweep_status(
-    folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")],
-    debug: Debug = False,
-) -> None:
+@reported
+def sweep_status(folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")]) -> None:
     """Print the progress of a sweep; exit codes as for the sweep."""
     from supple.cli.sweep import print_status
 
-    with reported_errors(debug=debug), reported_warnings():
-        print_status(folder)
+    print_status(folder)
 
 
 @sweep_app.command("page")
+@reported
 def sweep_page(
     folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")],
     reports: Annotated[
@@ -219,50 +226,44 @@ def sweep_page(
         ),
     ] = 3,
     allow_code: AllowCode = False,
-    debug: Debug = False,
 ) -> None:
     """Write the page of a sweep (HTML): table, plots, extremes, and reports of the extreme cases."""
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.sweep import write_pages
 
-    with reported_errors(debug=debug), reported_warnings():
-        keep_compiled_programs()
-        write_pages(folder, reports, allow_code=allow_code)
+    keep_compiled_programs()
+    write_pages(folder, reports, allow_code=allow_code)
 
 
 @app.command()
-def reduce(
-    case: CaseFile,
-    output: Folder = None,
-    debug: Debug = False,
-) -> None:
+@reported
+def reduce(case: CaseFile, output: Folder = None) -> None:
     """Reduce the bodies of a case file; write each to an HDF5 file, which cases read by reduced = "FILE"."""
     from supple.cli.computed_case import reduce_case
 
-    with reported_errors(debug=debug), reported_warnings():
-        reduce_case(case, output or Path("results") / case.stem)
+    reduce_case(case, output or Path("results") / case.stem)
 
 
 @app.command()
+@reported
 def static(
     case: CaseFile,
     output: Folder = None,
     time: Instant = 0.0,
     no_errors: NoErrors = False,
     allow_code: AllowCode = False,
-    debug: Debug = False,
 ) -> None:
     """Find the equilibrium of the machine of a case file; with a [spin] table, that in steady rotation."""
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.computed_case import static_case
 
-    with reported_errors(debug=debug), reported_warnings():
-        keep_compiled_programs()
-        folder = output or Path("results") / case.stem
-        static_case(case, folder, time=time, errors=not no_errors, allow_code=allow_code)
+    keep_compiled_programs()
+    folder = output or Path("results") / case.stem
+    static_case(case, folder, time=time, errors=not no_errors, allow_code=allow_code)
 
 
 @app.command()
+@reported
 def modes(
     case: CaseFile,
     output: Folder = None,
@@ -279,27 +280,18 @@ def modes(
     ] = None,
     no_errors: NoErrors = False,
     allow_code: AllowCode = False,
-    debug: Debug = False,
 ) -> None:
     """Find the modes of the machine of a case file about its equilibrium; draw and animate them."""
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.computed_case import modes_case
 
-    with reported_errors(debug=debug), reported_warnings():
-        keep_compiled_programs()
-        folder = output or Path("results") / case.stem
-        modes_case(
-            case,
-            folder,
-            n_modes=number,
-            time=time,
-            rates=rates,
-            errors=not no_errors,
-            allow_code=allow_code,
-        )
+    keep_compiled_programs()
+    folder, errors = output or Path("results") / case.stem, not no_errors
+    modes_case(case, folder, n_modes=number, time=time, rates=rates, errors=errors, allow_code=allow_code)
 
 
 @app.command()
+@reported
 @with_options(ExportOptions)
 def export(
     path: Annotated[Path, typer.Argument(help="Result of a run (.h5), or a case file (.toml).")],
@@ -317,7 +309,6 @@ def export(
     c: Annotated[
         Path | None, typer.Option("--c", help="Folder for the machine in C: source, header, test, Makefile.")
     ] = None,
-    debug: Debug = False,
     *,
     options: ExportOptions,
 ) -> None:
@@ -326,11 +317,11 @@ def export(
 
     A deck for Abaqus or CalculiX contains one body, clamped at its joints.
     """
-    with reported_errors(debug=debug), reported_warnings():
-        write_export(path, output, c, options)
+    write_export(path, output, c, options)
 
 
 @app.command()
+@reported
 def info(
     path: Annotated[
         Path,
@@ -348,31 +339,29 @@ def info(
         bool,
         typer.Option("--held", help="Compute these frequencies with the supports of the deck, not free."),
     ] = False,
-    debug: Debug = False,
 ) -> None:
     """Print a summary of a case, deck, mesh, section table or result file."""
     from supple.cli.info import print_info
 
-    with reported_errors(debug=debug), reported_warnings():
-        print_info(path, json=json, n_modes=modes, held=held)
+    print_info(path, json=json, n_modes=modes, held=held)
 
 
 @app.command()
+@reported
 def check(
     path: Annotated[
         Path, typer.Argument(help="Case (.toml), Nastran model (.bdf ..) or HDF5 matrices (.h5).")
     ],
     modes: Annotated[int, typer.Option(min=0, help="Number of elastic modes to compute.")] = 6,
-    debug: Debug = False,
 ) -> None:
     """Check the models of a file; exit with an error if a model cannot be used."""
     from supple.cli.check import print_check
 
-    with reported_errors(debug=debug), reported_warnings():
-        print_check(path, n_frequencies=modes)
+    print_check(path, n_frequencies=modes)
 
 
 @app.command()
+@reported
 def example(
     name: Annotated[
         str | None, typer.Argument(help="Name of an example; default: list all examples.")
@@ -380,24 +369,23 @@ def example(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder for the example; default: the current one.")
     ] = None,
-    debug: Debug = False,
 ) -> None:
     """List the examples, or write one with its mesh into a folder."""
     from supple import cases
 
-    with reported_errors(debug=debug), reported_warnings():
-        if name is None:
-            if output is not None:
-                raise ArgumentError("-o is the folder for an example: give the name of an example as well")
-            print_rows("Examples: supple example NAME", cases.example_titles().items())
-            return
-        files = cases.write_example(name, output or Path())
-        for path in files:
-            say(f"wrote {path}")
-        say(f"Run it: {cases.command_of_example(files[0])}")
+    if name is None:
+        if output is not None:
+            raise ArgumentError("-o is the folder for an example: give the name of an example as well")
+        print_rows("Examples: supple example NAME", cases.example_titles().items())
+        return
+    files = cases.write_example(name, output or Path())
+    for path in files:
+        say(f"wrote {path}")
+    say(f"Run it: {cases.command_of_example(files[0])}")
 
 
 @app.command()
+@reported
 def new(
     mesh: Annotated[
         Path,
@@ -408,13 +396,11 @@ def new(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Case file to write; default: MESH.toml.")
     ] = None,
-    debug: Debug = False,
 ) -> None:
     """Write a commented case file for a mesh, section table or machine; comments mark the guesses."""
     from supple import cases
 
-    with reported_errors(debug=debug), reported_warnings():
-        file = mesh if mesh != Path() else Path(typer.prompt("Mesh, deck or section table"))
-        written = output or Path(f"{file.stem}.toml")
-        cases.write_new_case(file, written)
-        say(f"wrote {written}: edit the lines marked GUESS, then run: supple run {written}")
+    file = mesh if mesh != Path() else Path(typer.prompt("Mesh, deck or section table"))
+    written = output or Path(f"{file.stem}.toml")
+    cases.write_new_case(file, written)
+    say(f"wrote {written}: edit the lines marked GUESS, then run: supple run {written}")
