@@ -21,6 +21,10 @@ from supple.programs.program_cache import CachedProgram
 
 MOST, CONVERGED = 100, 1e-12
 """Iterations, and the relative change of the joint forces at which they stop."""
+JAMS = (
+    "friction and the forces in the joints do not converge: each raises the other, as "
+    "in a slide that jams. Lower the coefficient of friction, or the radius of the pin"
+)
 
 S = TypeVar("S", bound=tuple[Any, ...])
 
@@ -74,10 +78,7 @@ def converged_reactions(answered: Callable[[np.ndarray], S], found: S) -> S:
         # Largest entries instead of norms: squares of diverging values would overflow.
         if np.max(abs(found[1] - before)) <= CONVERGED * np.max(abs(found[1])):
             return found
-    raise ConvergenceError(
-        "friction and the forces in the joints do not converge: each raises the other, as "
-        "in a slide that jams. Lower the coefficient of friction, or the radius of the pin"
-    )
+    raise ConvergenceError(JAMS)
 
 
 class StartingMachine(Protocol):

@@ -1,14 +1,17 @@
 """Controllers and friction of joints in machines with intrinsic bodies: beside the same reduced bodies."""
 
+from dataclasses import replace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
 
 from supple.body import RigidBody
-from supple.errors import ModelError
+from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Solution, Statistics
 from supple.machine import (
+    At,
     Controller,
     EndReading,
     Fixed,
@@ -101,6 +104,18 @@ def test_friction_of_a_hinge_follows_the_force_that_it_carries():
         found.append(angles(held))
         assert angles(held)[2] < 0.9 * angles(free)[2]
     assert found[0] == pytest.approx(found[1], abs=5e-3)
+
+
+def test_friction_that_jams_at_the_start_is_an_error():
+    """The moment mu R N of a pin changes N by 3 mu R / (2 L) of itself: more than one."""
+    beam, pinned = rod()
+    pinned = replace(
+        pinned, body=replace(pinned.body, name="rod"), angular_velocity=np.array([0.0, 1.0, 0.0])
+    )
+    hinge = replace(HINGE, second=At("rod", "root"))
+    friction = HingeFriction(joint=hinge, coefficient=5.0, radius=0.3, width=0.05)
+    with pytest.raises(ConvergenceError, match="friction and the forces in the joints do not converge"):
+        simulate(System([beam, pinned], [hinge], [friction]), RUN)
 
 
 def test_controllers_ask_for_released_bodies():

@@ -19,7 +19,8 @@ from supple.equations.control_series import control_series
 from supple.equations.control_start import first_control, fresh_control, kept_control
 from supple.equations.floating_solution import floating_solution
 from supple.equations.sampling import joined_legs, march_sampled, sampling_of
-from supple.errors import ModelError
+from supple.equations.starting_machine import JAMS
+from supple.errors import ConvergenceError, ModelError
 from supple.integrate import GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
 from supple.machine import At, System
 from supple.methods.intrinsic.implicit_step import first_order_coefficients
@@ -163,10 +164,13 @@ class JoinedEngine:
         )
 
     def _outputs(self, now: JoinedInstant, control: ControlState | None) -> Outputs:
-        """Velocities of the model's bodies, rates and multipliers at instants."""
+        """Velocities of the model's bodies, rates and multipliers at instants; an error if friction jams."""
         n = len(now.time)
         both = full_leg((now, control), max(self._length, n))
-        return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, *both))
+        found = jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, *both))
+        if self._arrays.model.reads_reactions and np.isnan(found[2]).any():
+            raise ConvergenceError(JAMS)
+        return found
 
     def _at(self, now: JoinedInstant, control: ControlState | None) -> Outputs:
         """`_outputs` at one instant."""

@@ -11,6 +11,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from scipy.linalg import block_diag
 
+from supple.arrays import AnyArray
 from supple.equations.build_model import row_scales, station_model, system_length
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import ControlState, ControlStep
@@ -232,7 +233,8 @@ def instant_rates(
         M a + J^T lambda = -b,     J a = -c
 
     At a = 0, b are the residuals of the equations of motion and c the second time derivatives of g. The
-    solution is iterated where friction in b depends on lambda, at most `MOST` times.
+    solution is iterated where friction in b depends on lambda, at most `MOST` times; NaN if this does not
+    converge.
     """
     m, n = len(arrays.model.active), arrays.n_floating
     lines = steady_rates(arrays, now.lines, tuple(state.q1 for state in now.lines))
@@ -260,19 +262,21 @@ def instant_rates(
         if arrays.model.reads_reactions:
             inverse, size = jnp.linalg.inv(matrix), len(flat)
 
-            def again(
-                carry: tuple[jax.Array, jax.Array, int | jax.Array],
-            ) -> tuple[jax.Array, jax.Array, int | jax.Array]:
+            def again(carry: tuple[jax.Array, jax.Array, AnyArray]) -> tuple[jax.Array, jax.Array, AnyArray]:
                 known, _, count = carry
                 left = ravel_pytree(unbalanced(known[size:]))[0] - rows.T @ known[size:]
                 after = -inverse @ jnp.concatenate([left, bias])
                 return after, jnp.max(jnp.abs(after - known)), count + 1
 
-            def goes_on(carry: tuple[jax.Array, jax.Array, int | jax.Array]) -> jax.Array:
-                known, change, count = carry
-                return (count < MOST) & (change > CONVERGED * jnp.max(jnp.abs(known)))
+            def differs(known: jax.Array, change: jax.Array) -> jax.Array:
+                return ~(change <= CONVERGED * jnp.max(jnp.abs(known)))
 
-            solved, *_ = jax.lax.while_loop(goes_on, again, (solved, jnp.asarray(jnp.inf), 0))
+            solved, change, _ = jax.lax.while_loop(
+                lambda carry: (carry[2] < MOST) & differs(*carry[:2]),
+                again,
+                (solved, jnp.asarray(jnp.inf), 0),
+            )
+            solved = jnp.where(differs(solved, change), jnp.nan, solved)
         found, multipliers = solved[: len(flat)], solved[len(flat) :]
     acceleration, firsts = unravel(found)
     moving = tuple(replace(line, q1=first) for line, first in zip(lines, firsts, strict=True))
