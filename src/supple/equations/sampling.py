@@ -61,19 +61,11 @@ class ControllerSampling:
         ]
         return np.unique(np.concatenate(after))
 
-    def _is_call_time(self, number: int, time: float) -> bool:
-        """Whether the controller is called at a time.
-
-        Times are compared up to rounding: if a longer run continues a shorter one, the last digits of their
-        call times differ.
-        """
-        apart = np.abs(self.instants[number] - time)
-        return bool(apart.min() <= self.rounding[number])
-
     def called(self, model: Model, motion: SystemMotion, control: ControlState) -> ControlState | None:
         """State of all controllers after the calls that are due; None if no call is due."""
         time = float(motion.time)
-        due = [number for number in self.instants if self._is_call_time(number, time)]
+        # Up to rounding: if a longer run continues a shorter one, the last digits of their call times differ.
+        due = [n for n, instants in self.instants.items() if abs(instants - time).min() <= self.rounding[n]]
         if not due:
             return None
         read = motion._replace(control=ControlStep(control, np.zeros(())))
@@ -133,7 +125,7 @@ def sampling_of(system: System, run: Run) -> ControllerSampling | None:
 
 
 def march_sampled(
-    sampling: ControllerSampling,
+    sampling: ControllerSampling | None,
     march: Callable[[S, np.ndarray], Leg[S]],
     after_calls: Callable[[S], S],
     state: S,
@@ -141,11 +133,12 @@ def march_sampled(
 ) -> Leg[S]:
     """Integrate to each output time, and interrupt the integration at call times.
 
+    sampling : None without sampled controllers
     march : function that integrates to output times without interruption
     after_calls : function that returns a state after the calls that are due
     """
     now = float(state.time)
-    if times[-1] <= now:
+    if sampling is None or times[-1] <= now:
         return march(state, times)
     legs: list[Leg[S]] = []
     while now < times[-1]:

@@ -97,8 +97,6 @@ class ExplicitEngine:
 
     def march(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
         """Integrate to each of the output times; sampled controllers are called at their sample times."""
-        if self._sampling is None:
-            return self._marched(state, times)
         return march_sampled(self._sampling, self._marched, self._sampled, state, times)
 
     def _sampled(self, state: MarchState) -> MarchState:

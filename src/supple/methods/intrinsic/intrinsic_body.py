@@ -29,7 +29,7 @@ from supple.methods.intrinsic.condensed_line import CondensedLine
 from supple.methods.intrinsic.expansion import Expansion, expansion_of_stations
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes, intrinsic_modes
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
-from supple.methods.intrinsic.line_equations import line_forces, section_strains
+from supple.methods.intrinsic.line_equations import line_forces
 from supple.methods.intrinsic.line_freedoms import LineFreedoms, line_freedoms
 from supple.methods.intrinsic.line_model import LineModel, line_model
 from supple.methods.intrinsic.root_support import RootSupport
@@ -334,11 +334,6 @@ class IntrinsicBody(FormDefaults, Summarized):
         """
         q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
         return np.asarray(jax.vmap(lambda q: line_forces(self.model, q))(jnp.asarray(q2)))
-
-    def section_strains(self, motion: Motion) -> FloatArray:
-        """Strains and curvatures (t, n - 1, 6) of the segments, along material axes."""
-        q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
-        return np.asarray(jax.vmap(lambda q: section_strains(self.model, q))(jnp.asarray(q2)))
 
     def stated_frequencies(self) -> tuple[str, FloatArray]:
         """Words for the support of the body before release, and its lowest six frequencies on it.

@@ -112,9 +112,8 @@ class JoinedEngine:
 
     def march(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
         """Integrate to each of the output times, in one compiled call (with sampled controllers, several)."""
-        if self._sampling is None:
-            return self._leg(state, times)
-        return march_sampled(self._sampling, self._one_by_one, self._sampled, state, times)
+        march = self._leg if self._sampling is None else self._one_by_one
+        return march_sampled(self._sampling, march, self._sampled, state, times)
 
     def _one_by_one(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
         """A call for each time: those between calls of controllers are unevenly spaced."""

@@ -72,6 +72,12 @@ class Stepping:
     max_iterations: int = 12
 
 
+_Carry = tuple[LineMarchState, Tangent | None]
+"""State, and the tangent if the rule reuses one."""
+_Step = Callable[[LineMarchState, Any, AnyArray], _Carry]
+"""A step h from a state."""
+
+
 def march_lines(
     stepping: Stepping,
     system: LineSystem,
@@ -87,19 +93,14 @@ def march_lines(
     step = _step_of(system, stepping, tolerance)
     tangent = first_tangent(start.rates.size) if isinstance(stepping.rule, GeneralizedAlpha) else None
 
-    def to_output(
-        carry: tuple[LineMarchState, Tangent | None], end: jax.Array
-    ) -> tuple[tuple[LineMarchState, Tangent | None], LineMarchState]:
-        state, known = carry
-        h = (end - state.time) / n_steps
-        begin = state.time
+    def to_output(carry: _Carry, end: jax.Array) -> tuple[_Carry, LineMarchState]:
+        begin = carry[0].time
+        h = (end - begin) / n_steps
 
-        def one(
-            now: tuple[LineMarchState, Tangent | None], number: jax.Array
-        ) -> tuple[tuple[LineMarchState, Tangent | None], None]:
+        def one(now: _Carry, number: jax.Array) -> tuple[_Carry, None]:
             return step(now[0]._replace(time=begin + number * h), now[1], h), None
 
-        (last, known), _ = jax.lax.scan(one, (state, known), jnp.arange(n_steps))
+        (last, known), _ = jax.lax.scan(one, carry, jnp.arange(n_steps))
         last = last._replace(time=end)
         return (last, known), last
 
@@ -110,11 +111,7 @@ compiled_march = CachedProgram(march_lines)
 """`march_lines` as a compiled program that later processes reuse."""
 
 
-Step = Callable[[LineMarchState, Any, AnyArray], tuple[LineMarchState, Any]]
-"""A step h from a state, with the tangent if the rule reuses one."""
-
-
-def _step_of(system: LineSystem, stepping: Stepping, tolerance: jax.Array | float) -> Step:
+def _step_of(system: LineSystem, stepping: Stepping, tolerance: jax.Array | float) -> _Step:
     match rule := stepping.rule:
         case RungeKutta4():
             rates = partial(system_rates, system)

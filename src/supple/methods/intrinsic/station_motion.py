@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -87,7 +88,7 @@ def _driven(model: LineModel, root: FloatArray, motion: IntrinsicMotion) -> tupl
     return np.hstack([velocity, w]) - motion.rates @ own, rate - motion.accelerations @ own
 
 
-def _motion_over_time(
+def _motion_at(
     model: LineModel,
     q2: AnyArray,
     amplitudes: _Derivatives,
@@ -95,39 +96,33 @@ def _motion_over_time(
     rotation: _Derivatives,
     driven: _Derivatives,
 ) -> StationMotion:
-    """Stations over time, from q_2; q_1; position and rotation of the root; twist of its drive."""
+    """Stations at an instant, from q_2; q_1; position and rotation of the root; twist of its drive."""
+    (q1, q1_rate), (twist, twist_rate) = amplitudes, driven
+    (position, velocity, acceleration), (turned, w, dw) = root, rotation
 
-    def at(
-        q2: AnyArray,
-        amplitudes: _Derivatives,
-        root: _Derivatives,
-        rotation: _Derivatives,
-        driven: _Derivatives,
-    ) -> StationMotion:
-        (q1, q1_rate), (twist, twist_rate) = amplitudes, driven
-        (position, velocity, acceleration), (turned, w, dw) = root, rotation
+    def strain_rate(q1: AnyArray, q2: AnyArray, driven: AnyArray) -> AnyArray:
+        x1 = station_velocities(model, q1) + (model.twists @ driven).reshape(-1, 6)
+        return force_rates(model, x1, q1, section_strains(model, q2))
 
-        def strain_rate(q1: AnyArray, q2: AnyArray, driven: AnyArray) -> AnyArray:
-            x1 = station_velocities(model, q1) + (model.twists @ driven).reshape(-1, 6)
-            return force_rates(model, x1, q1, section_strains(model, q2))
+    here = q1, q2, twist
+    first = strain_rate(*here)
+    second = jax.jvp(strain_rate, here, (q1_rate, first, twist_rate))[1]
 
-        here = q1, q2, twist
-        first = strain_rate(*here)
-        second = jax.jvp(strain_rate, here, (q1_rate, first, twist_rate))[1]
+    def places(s: AnyArray) -> StationPlaces:
+        """Positions to second order in the time s from now."""
+        strains = q2 + s * first + s**2 / 2 * second
+        place = position + s * velocity + s**2 / 2 * acceleration
+        return station_places(model, strains, turned @ rotation_exp(s * w + s**2 / 2 * dw), place)
 
-        def places(s: AnyArray) -> StationPlaces:
-            """Positions to second order in the time s from now."""
-            strains = q2 + s * first + s**2 / 2 * second
-            place = position + s * velocity + s**2 / 2 * acceleration
-            return station_places(model, strains, turned @ rotation_exp(s * w + s**2 / 2 * dw), place)
+    def rates(s: AnyArray) -> tuple[StationPlaces, StationPlaces]:
+        return jax.jvp(places, (s,), (jnp.ones(()),))
 
-        def rates(s: AnyArray) -> tuple[StationPlaces, StationPlaces]:
-            return jax.jvp(places, (s,), (jnp.ones(()),))
+    (where, velocities), (_, accelerations) = jax.jvp(rates, (jnp.zeros(()),), (jnp.ones(()),))
+    return StationMotion(where, velocities, accelerations, first, second)
 
-        (where, velocities), (_, accelerations) = jax.jvp(rates, (jnp.zeros(()),), (jnp.ones(()),))
-        return StationMotion(where, velocities, accelerations, first, second)
 
-    return jax.vmap(at)(q2, amplitudes, root, rotation, driven)
+def _motion_over_time(model: LineModel, *known: AnyArray | _Derivatives) -> StationMotion:
+    return jax.vmap(partial(_motion_at, model))(*known)
 
 
 _motion = CachedProgram(_motion_over_time, STARTING)
