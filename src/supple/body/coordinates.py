@@ -218,7 +218,7 @@ def coordinates(
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
     if still.nnz:
         # The rigid motions of the body have no component along the fixed directions.
-        state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still, len(state.kept)))
+        state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still))
     before = state.kept
     bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
     if bare.any():
@@ -324,10 +324,10 @@ def _without_stiffness(
     return sparse.csc_array((entry.ravel()[used], (rows.ravel()[used], column[used])), shape=(n, len(block)))
 
 
-def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
+def _fixed(still: sparse.csc_array) -> StaticallyTied:
     """Elimination of the motions along directions (n, k), each by one freedom of its triple."""
-    rows = sparse.csr_array(still.T)
-    return together(rows, np.full(rows.indptr.size - 1, -1), np.zeros(n, dtype=bool))
+    n, k = still.shape
+    return together(sparse.csr_array(still.T), np.full(k, -1), np.zeros(n, dtype=bool))
 
 
 def _bare(

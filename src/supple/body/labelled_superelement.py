@@ -237,7 +237,8 @@ def nodal_matrices(
     T = None if recovery is None else in_order(recovery, labels).matrix
     K, M, *C = (matrix[freedoms][:, freedoms] for matrix in (K, M, *C))
     if nodes.axes is not None:
-        turn = _to_mesh_axes(nodes.axes[kept], dofs_per_node)
+        axes = np.repeat(nodes.axes[kept], dofs_per_node // 3, axis=0)
+        turn = sparse.bsr_array((axes, np.arange(len(axes)), np.arange(len(axes) + 1)))
         turn = sparse.csr_array(sparse.block_diag([turn, sparse.eye_array(len(modal))], format="csr"))
         K, M, *C = (turn @ matrix @ turn.T for matrix in (K, M, *C))
         T = None if T is None else T @ turn.T
@@ -306,12 +307,6 @@ def _on_kept(connection: Connection, kept: NDArray[np.bool_], number: IntArray) 
     if not (members.any() if is_rigid else members.all()):
         return None
     return replace(connection, nodes=number[connection.nodes[members]])
-
-
-def _to_mesh_axes(axes: NDArray[np.float64], dofs_per_node: int) -> sparse.csr_array:
-    """Block diagonal matrix (n, n) from freedoms in the axes of each node to freedoms in the mesh axes."""
-    blocks = np.repeat(axes, dofs_per_node // 3, axis=0)
-    return sparse.csr_array(sparse.bsr_array((blocks, np.arange(len(blocks)), np.arange(len(blocks) + 1))))
 
 
 def _symmetric(matrix: sparse.csr_array) -> sparse.csc_array:

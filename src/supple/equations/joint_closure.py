@@ -40,22 +40,16 @@ def joints_closed(
         if largest <= 0.01 * rounding or (largest <= rounding and largest > 0.1 * before):
             return configuration
         before = largest
-        change = _rigid_change(machine, configuration, terms)
-        if change is None:
+        rigid, left = _least_rigid_change(machine, configuration, terms)
+        if left <= 1e-6 * np.linalg.norm(terms.residual):  # rigid motions close the joints to first order
+            change = _of_bodies(machine, rigid)
+        else:
             change = machine.least_change(configuration, still, terms, terms.residual)
         configuration = machine.moved(configuration, change)
     raise ConvergenceError(
         f"the joints could not be closed at the start: largest residual {largest:.3g} after 20 iterations. "
         "Place the bodies closer to a configuration in which every joint is closed"
     )
-
-
-def _rigid_change(
-    machine: StartingMachine, configuration: Configuration, terms: JointTerms
-) -> np.ndarray | None:
-    """The least rigid motion of the bodies that closes the joints to first order; None without one."""
-    change, left = _least_rigid_change(machine, configuration, terms)
-    return _of_bodies(machine, change) if left <= 1e-6 * np.linalg.norm(terms.residual) else None
 
 
 def _least_rigid_change(

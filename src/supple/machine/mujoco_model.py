@@ -358,11 +358,6 @@ class _Reader:
         rate = 1 / (time * ratio) ** 2 if time > 0 else -time  # negative numbers are stiffness and damping
         return Penalty(stiffness=inertia * rate)
 
-    def _weld_rotation(self, number: int) -> FloatArray:
-        """Rotation (3, 3) at which a weld of bodies holds the second body relative to the first."""
-        w, x, y, z = self.model.eq_data[number][6:10]
-        return Rotation.from_quat([x, y, z, w]).as_matrix() if any((w, x, y, z)) else np.eye(3)
-
     def close_loops(self) -> None:
         """Append joints for the active connect and weld constraints of the file."""
         model, data = self.model, self.data
@@ -376,8 +371,9 @@ class _Reader:
                 points = [np.array(data.site_xpos[site]) for site in sites]
                 axes, held = data.site_xmat[sites], np.eye(3)
             else:
-                axes, held = data.xmat[bodies], self._weld_rotation(number)
-                local = model.eq_data[number]
+                axes, held, local = data.xmat[bodies], np.eye(3), model.eq_data[number]
+                if local[6:10].any():  # rotation at which a weld holds the second body relative to the first
+                    held = Rotation.from_quat(local[[7, 8, 9, 6]]).as_matrix()
                 at = (local[:3], local[3:6]) if kind == _CONNECT else (local[3:6], local[:3])
                 points = [
                     data.xpos[body] + data.xmat[body].reshape(3, 3) @ place

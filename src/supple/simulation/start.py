@@ -87,10 +87,6 @@ class Start:
         return self.duration * self.solution.times
 
     @property
-    def _is_scaled(self) -> bool:
-        return (self.length, self.duration) != (1.0, 1.0)
-
-    @property
     def row(self) -> int:
         """Index of the start time among the output times."""
         times = self.times
@@ -186,7 +182,8 @@ class Start:
                 f"the basis of the motion of body '{name}' is unknown: give the machine of the motion, "
                 "Start(solution, time, machine)"
             )
-        return there == here and not self._is_scaled and are_same_columns(known.get(name, {}), placed)
+        unscaled = (self.length, self.duration) == (1.0, 1.0)
+        return there == here and unscaled and are_same_columns(known.get(name, {}), placed)
 
     def _state(self, motion: FloatingMotion) -> tuple[PlacedFrame, np.ndarray, np.ndarray]:
         """Frame in units of the new machine; coordinates and rates in units of the earlier motion."""

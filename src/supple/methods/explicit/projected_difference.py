@@ -61,7 +61,8 @@ class ProjectedDifference:
         self, model: FrameModel, state: FrameState, force: Generalized, steps: StepLengths
     ) -> tuple[FrameState, Array]:
         """The state after the step, and the link multipliers (6,), N/m; `force` applies at t_n."""
-        after, multipliers, _ = self.step_joined((model,), (state,), (force,), (), _no_constraints, steps)
+        none = jnp.zeros(0)
+        after, multipliers, _ = self.step_joined((model,), (state,), (force,), (), lambda _: none, steps)
         return after[0], multipliers[0]
 
     def step_joined(
@@ -244,10 +245,6 @@ def _bound(frozen: tuple[_Frozen, ...], rows: tuple[Generalized, ...]) -> tuple[
         bound.append(_Bound(J_p, J_y, Z))
         H = H + J_p @ Z[0] + J_y @ Z[1]
     return tuple(bound), jnp.linalg.inv(H)
-
-
-def _no_constraints(_states: tuple[FrameState, ...]) -> Array:
-    return jnp.zeros(0)
 
 
 class _Pass(NamedTuple):

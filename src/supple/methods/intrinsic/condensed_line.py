@@ -110,14 +110,15 @@ def condensed_line(
     K = _symmetric(name, "stiffness", stiffness, 6 * tree.n)
     M = _symmetric(name, "mass", mass, 6 * tree.n)
     R = rigid_twists(tree)
-    left = _rigid_force(K, R, tree)
+    scale = np.tile(np.repeat([1.0, tree.mean_length], 3), tree.n)
+    largest = (np.abs(K) @ np.abs(R) / scale[:, None]).max(initial=0.0)
+    left = float(np.abs(K @ R / scale[:, None]).max(initial=0.0) / (largest or 1.0))
     if left > LARGEST_RIGID_FORCE:
         raise ModelError(
             f"line '{name}': rigid motion causes forces of {left:.1e} times those of single freedoms (at "
             f"most {LARGEST_RIGID_FORCE:.0e} can be round-off): if the stiffness includes a support, use "
             "clamped_line; check that the points belong to its freedoms, and that rotations are in rad"
         )
-    scale = np.tile(np.repeat([1.0, tree.mean_length], 3), tree.n)
     Q = np.linalg.qr(scale[:, None] * R)[0]
     scaled = K / np.outer(scale, scale)
     scaled = scaled - Q @ (Q.T @ scaled)
@@ -192,14 +193,6 @@ def _cleaned_mass(name: str, mass: FloatArray, length: float) -> FloatArray:
     kept = values > MASSLESS * largest
     root = (vectors[:, kept] * np.sqrt(values[kept])) / scale[:, None]
     return root @ root.T
-
-
-def _rigid_force(K: FloatArray, R: FloatArray, tree: LoadPathTree) -> float:
-    """Largest force in K R relative to the largest in |K| |R|."""
-    scale = np.tile(np.repeat([1.0, 1.0 / tree.mean_length], 3), tree.n)
-    size = np.abs(K) @ np.abs(R) * scale[:, None]
-    largest = size.max(initial=0.0)
-    return float(np.abs(K @ R * scale[:, None]).max(initial=0.0) / largest) if largest else 0.0
 
 
 def _symmetric(name: str, what: str, given: Matrix, size: int) -> FloatArray:

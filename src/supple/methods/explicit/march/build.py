@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from supple.arrays import FloatArray, IntArray
 from supple.equations.nodal_load import PreparedLoad, prepared
 from supple.errors import ModelError
-from supple.machine import At, BaseAcceleration, Contact, DeadForce, FollowerPressure, Placed, System, Tie
+from supple.machine import At, BaseAcceleration, DeadForce, FollowerPressure, Placed, System, Tie
 from supple.machine.laws.time_law import TimeLaw
 from supple.machine.obstacles import Obstacle
 from supple.machine.ties.meeting import meeting_nodes
@@ -269,12 +269,6 @@ def _check_not_held(system: System, tied: list[TiedNodes], numbers: dict[str, In
                 )
 
 
-def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray:
-    if contact.stiffness is not None:
-        return np.full(len(masses), contact.stiffness)
-    return contact.fraction * masses * (2 / short) ** 2
-
-
 def _touching(
     system: System, numbers: dict[str, IntArray], x: FloatArray, mass: FloatArray, short: float
 ) -> tuple[tuple[NodesTouching, ...], FloatArray, float]:
@@ -288,7 +282,9 @@ def _touching(
         if contact.nodes.body in numbers:
             every = numbers[contact.nodes.body]
             nodes = every[system.node_numbers(contact.nodes)]
-            stiffness = _stiffness(contact, mass[nodes], short)
+            stiffness = contact.fraction * mass[nodes] * (2 / short) ** 2
+            if contact.stiffness is not None:
+                stiffness = np.full(len(nodes), contact.stiffness)
             check_outside(contact, x[nodes], x[every])
             arrays = jnp.asarray(nodes), jnp.asarray(stiffness), jnp.zeros((0, 4)), jnp.zeros((0, 3, 0))
             touching.append(NodesTouching(*arrays, number, contact.obstacle))

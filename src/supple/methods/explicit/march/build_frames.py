@@ -11,7 +11,7 @@ import numpy as np
 from jax import Array
 from scipy import linalg
 
-from supple.arrays import FloatArray, IntArray
+from supple.arrays import FloatArray
 from supple.body import RigidBody
 from supple.equations.build_model import build_model
 from supple.equations.compiled_machine import CompiledMachine
@@ -20,7 +20,7 @@ from supple.equations.consistent_start import consistent_start
 from supple.equations.control_start import first_control
 from supple.equations.machine_model import Model
 from supple.equations.start_change import StartChange
-from supple.machine import Contact, ForceElement, Placed, System
+from supple.machine import ForceElement, Placed, System
 from supple.methods.explicit.frame_chart import frame_chart, placed_state
 from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.march.build_joined import JoinedFrames, joined_frames
@@ -171,7 +171,9 @@ def _frame(
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body == body.name:
             own = system.node_numbers(contact.nodes)
-            stiffness = _modal_stiffness(contact, frame, own)
+            stiffness = frame.stiffness_at(own, contact.fraction)
+            if contact.stiffness is not None:
+                stiffness = np.full(len(own), contact.stiffness)
             nodes_at = undeformed(part)
             check_outside(contact, nodes_at[own], nodes_at)
             touching.append(
@@ -205,9 +207,3 @@ def _frame(
     rates = np.concatenate([part.twist, part.coordinate_rates])
     start = placed_state(frame, part.position, part.rotation, part.coordinates, rates)
     return frame, arrays, start, stiffest, largest
-
-
-def _modal_stiffness(contact: Contact, frame: ModalFrame, nodes: IntArray) -> FloatArray:
-    if contact.stiffness is not None:
-        return np.full(len(nodes), contact.stiffness)
-    return frame.stiffness_at(nodes, contact.fraction)

@@ -129,21 +129,16 @@ def joined_frames(
         machine = replace(machine, active=tuple(machine.active[row] for row in of_machine))
     # A tie without independent rows is redundant.
     left = [number for number, own in enumerate(chosen) if len(own)]
+    driven = np.array([float(joint.law is not None) for joint in system.joints for _ in joint.rows])
     return JoinedFrames(
         tuple(_only(ties[number], chosen[number]) for number in left),
         tuple(pairs[number] for number in left),
         machine,
         tuple(sorted(joined)),
-        _driven(system)[list(machine.active)],
+        driven[list(machine.active)],
         tuple(limited),
         damped_limit(limit, beta),
     )
-
-
-def _driven(system: System) -> FloatArray:
-    """1 for each equation of a joint with a law, else 0."""
-    own = [np.full(joint.n_constraints, float(joint.law is not None)) for joint in system.joints]
-    return np.concatenate([np.zeros(0), *own])
 
 
 def _touched(groups: Sequence) -> set[int]:

@@ -61,7 +61,8 @@ def frame_forces(
     storing = _some(machine, stores, True)
     n, others = machine.n_velocities, _some(machine, stores, False)
     controlled = control_force.force(machine, motion)
-    given = assembled_vector(n, [*_loads(machine, motion), *_elements(others, motion), *controlled])
+    loads = [(load.velocities, nodal_load.force(load, motion)) for load in machine.nodal_loads]
+    given = assembled_vector(n, [*loads, *_elements(others, motion), *controlled])
     stored = assembled_vector(n, _elements(storing, at_rest))
     dragged = assembled_vector(n, _elements(storing, motion)) - stored
     return FrameForces(*(_by_frame(machine, frames, states, forces) for forces in (given, stored, dragged)))
@@ -133,11 +134,6 @@ def stored_energy(
 def _elements(machine: Model, motion: SystemMotion) -> Iterator[tuple[Places, Array]]:
     for group in machine.forces:
         yield from marker_force.force(machine, group, motion)
-
-
-def _loads(machine: Model, motion: SystemMotion) -> Iterator[tuple[Places, Array]]:
-    for load in machine.nodal_loads:
-        yield load.velocities, nodal_load.force(load, motion)
 
 
 def _by_frame(

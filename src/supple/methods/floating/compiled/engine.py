@@ -84,13 +84,6 @@ def initial_state(
     return start.model, jax.tree.map(np.asarray, state)
 
 
-def _tangent_arrays(kept: FrozenInverse | None) -> dict[str, np.ndarray]:
-    """The frozen tangent as named arrays for result files."""
-    if kept is None:
-        return {}
-    return {f"tangent.{name}": np.asarray(leaf) for name, leaf in kept._asdict().items()}
-
-
 def _resumed_tangent(model: Model, known: Mapping[str, np.ndarray]) -> FrozenInverse | None:
     """The recorded tangent, or an empty one if none was recorded."""
     if not freezes_tangent(model):
@@ -165,8 +158,6 @@ class CompiledEngine:
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
         """Integrate to each of the output times; sampled controllers are called at their sample times."""
-        if self._sampling is None:
-            return self._marched(state, times)
         return march_sampled(self._sampling, self._marched, self._sampled, state, times)
 
     def _sampled(self, state: State) -> State:
@@ -279,11 +270,12 @@ def system_motion(states: State) -> SystemMotion:
 
 def engine_state(model: Model, states: State, kept: FrozenInverse | None = None) -> dict[str, np.ndarray]:
     """Data that an exact resume requires besides the motion at the end (`kept` as in `as_solution`)."""
+    tangent = {} if kept is None else kept._asdict()
     return {
         "active": np.array(model.active, dtype=float),
         "auxiliary": states.auxiliary[-1],
         "step": states.step[-1],
         "contraction": np.array([own[-1] for own in states.contraction]),
-        **_tangent_arrays(kept),
+        **{f"tangent.{name}": np.asarray(leaf) for name, leaf in tangent.items()},
         **kept_control(model, jax.tree.map(lambda leaf: leaf[-1], states.control)),
     }

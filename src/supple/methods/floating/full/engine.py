@@ -157,7 +157,10 @@ class FullEngine:
             step = ImplicitStep(self._machine, march.state, h, rule, self._run.tolerances)
             found = self._iteration(step, predicted_unknowns(march.state, march.earlier, h), march.kept)
             new, converged = found.state, found.converged
-            error = self._local_error(march.state, new, h) if converged else np.inf
+            error = np.inf
+            if converged:
+                local = rule.position_error(march.state.auxiliary, new.auxiliary)
+                error = float(np.max(abs(local) / self._machine.position_scale))
             proposed = (
                 float(next_step(h, march.step, error, control.tolerance, control.largest))
                 if converged
@@ -170,8 +173,8 @@ class FullEngine:
                 rejected_steps=int(not accepted),
                 factorizations=found.factorizations,
                 decades=found.decades,
-                largest_error=float(error) if accepted else 0.0,
-                largest_turn=self._turn(march.state, new, h) if accepted else 0.0,
+                largest_error=error if accepted else 0.0,
+                largest_turn=self._turn(march.state, new, rule) if accepted else 0.0,
             )
             march = march._replace(step=proposed, kept=found.kept, statistics=march.statistics + cost)
             if accepted:
@@ -183,15 +186,8 @@ class FullEngine:
                 return march, found.relative_residual
         return march, None
 
-    def _local_error(self, start: FullState, end: FullState, h: float) -> float:
-        """Leading local error of the step, relative to the scale of each freedom."""
-        rule = StepRule(self._run.second_order_method.coefficients, h)
-        error = rule.position_error(start.auxiliary, end.auxiliary)
-        return float(np.max(abs(error) / self._machine.position_scale))
-
-    def _turn(self, start: FullState, end: FullState, h: float) -> float:
+    def _turn(self, start: FullState, end: FullState, rule: StepRule) -> float:
         """Largest rotation of a body's frame within the step, rad."""
-        rule = StepRule(self._run.second_order_method.coefficients, h)
         increments = rule.increment(start.velocity, start.auxiliary, end.auxiliary)
         turns = [increments[part.start + 3 : part.start + 6] for part in self._machine.slices]
         return float(np.linalg.norm(turns, axis=1).max())
