@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,37 +15,19 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate.motion import FramedMotion, Motion
 
-
-class _Form(Protocol):
-    """Members on which the defaults depend."""
-
-    @property
-    def mass(self) -> float:
-        """Mass of the body, kg."""
-        ...
-
-    @property
-    def is_linear(self) -> bool:
-        """Whether the internal force is proportional to the deformation."""
-        ...
-
-    def expand(self, coordinates: FloatArray, nodes: NDArray[np.intp] | slice = ..., /) -> FloatArray:
-        """Displacements (..., k, 3) of all or some nodes for coordinates (..., r)."""
-        ...
+if TYPE_CHECKING:
+    from supple.body.body_form import BodyForm
 
 
 class FormDefaults:
     """Members of `BodyForm` that most forms have in common."""
 
-    @property
-    def uses_interface_motions(self) -> bool:
-        """False: the body's coordinates are unknowns of the machine's equations."""
-        return False
-
-    @property
-    def has_frame(self) -> bool:
-        """True: the deformation is relative to a frame that moves with the body."""
-        return True
+    uses_interface_motions: ClassVar[bool] = False
+    """False: the body's coordinates are unknowns of the machine's equations."""
+    lumping_error: ClassVar[float | None] = 0.0
+    """Zero: the mass is that of the elements."""
+    has_frame: ClassVar[bool] = True
+    """True: the deformation is relative to a frame that moves with the body."""
 
     @property
     def dofs_per_node(self) -> int:
@@ -53,7 +35,7 @@ class FormDefaults:
         return 3
 
     @property
-    def has_linear_strains(self: _Form) -> bool:
+    def has_linear_strains(self: BodyForm) -> bool:
         """Whether strains are linear in the nodal displacements, as in a linear body."""
         return self.is_linear
 
@@ -63,7 +45,7 @@ class FormDefaults:
         return False
 
     @property
-    def coordinate_size(self: _Form) -> float:
+    def coordinate_size(self: BodyForm) -> float:
         """sqrt(mass): the norm of mass-orthonormal coordinates (r,) for a unit displacement of all nodes."""
         return float(np.sqrt(self.mass))
 
@@ -73,17 +55,12 @@ class FormDefaults:
         return None
 
     @property
-    def lumping_error(self) -> float | None:
-        """Zero: the mass is that of the elements."""
-        return 0.0
-
-    @property
     def missing_centrifugal_stiffness(self) -> FloatArray:
         """Zeros (3,): no centrifugal stiffness is missing."""
         return np.zeros(3)
 
     def expand_rates(
-        self: _Form,
+        self: Any,
         _coordinates: FloatArray,
         rates: FloatArray,
         nodes: NDArray[np.intp] | slice = slice(None),
@@ -92,7 +69,7 @@ class FormDefaults:
         """Displacement rates (..., k, 3) for displacements linear in the coordinates: expand(rates)."""
         return self.expand(rates, nodes)
 
-    def node_rotations(self: Any, motion: Motion) -> FloatArray:
+    def node_rotations(self: BodyForm, motion: Motion) -> FloatArray:
         """Rotations (t, N, 3, 3) of the frame, times those of the nodal rotation vectors, if nodes have them.
 
         Raises ModelError for a motion without a frame.
@@ -107,7 +84,7 @@ class FormDefaults:
         local = Rotation.from_rotvec(fields[:, 3:]).as_matrix()
         return of_frame @ local.reshape(n_times, n_nodes, 3, 3)
 
-    def sections(self: Any, _model: FiniteElementModel | None, /) -> Sections:
+    def sections(self: BodyForm, _model: FiniteElementModel | None, /) -> Sections:
         """Raise ModelError, as this form of body has no section forces."""
         raise ModelError(
             f"body '{self.name}' is {self.kind}, which has no section forces; read the force of a joint, or "

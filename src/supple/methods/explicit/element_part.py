@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -73,15 +73,10 @@ class ElementPart(FormDefaults):
         """(N,) lumped masses, kg."""
         raise NotImplementedError
 
-    @property
-    def kind(self) -> Literal["explicit"]:
-        """The literal "explicit"."""
-        return "explicit"
-
-    @property
-    def has_frame(self) -> bool:
-        """False: the displacements of its nodes are not relative to a frame."""
-        return False
+    kind: ClassVar[Literal["explicit"]] = "explicit"
+    """The literal "explicit"."""
+    has_frame: ClassVar[bool] = False
+    """False: the displacements of its nodes are not relative to a frame."""
 
     @property
     def mesh(self) -> Mesh:
@@ -150,15 +145,11 @@ class ElementPart(FormDefaults):
             "use a modal_subdomain or a reduced body"
         )
 
-    @property
-    def is_linear(self) -> bool:
-        """False: its strains are nonlinear in the displacements."""
-        return False
+    is_linear: ClassVar[bool] = False
+    """False: its strains are nonlinear in the displacements."""
 
-    @property
-    def rotation_limit(self) -> float:
-        """Infinite: rotations are not limited."""
-        return np.inf
+    rotation_limit: ClassVar[float] = np.inf
+    """Infinite: rotations are not limited."""
 
     def lowest_frequency(self) -> float:
         """Infinite: the frequency is not computed, because nothing depends on it."""

@@ -89,10 +89,8 @@ class ModalSubdomain(FloatingForm):
         """Name of the body."""
         return self.body.name
 
-    @property
-    def kind(self) -> Literal["modal"]:
-        """The literal "modal"."""
-        return "modal"
+    kind: ClassVar[Literal["modal"]] = "modal"
+    """The literal "modal"."""
 
     @property
     def n_modes(self) -> int:
@@ -171,10 +169,8 @@ class ModalSubdomain(FloatingForm):
         """Displacements (n, t) of nodal freedoms for coordinates (t, k), and None: none is condensed."""
         return self.nodal_basis[freedoms] @ coordinates.T, None
 
-    @property
-    def has_linear_strains(self) -> bool:
-        """True: strains are linear in the coordinates."""
-        return True
+    has_linear_strains: ClassVar[bool] = True
+    """True: strains are linear in the coordinates."""
 
     @cached_property
     def gram(self) -> NDArray[np.float64]:
@@ -200,10 +196,8 @@ class ModalSubdomain(FloatingForm):
         """Lowest frequency of the free modes, rad/s; infinite without any."""
         return float(self.frequencies.min(initial=np.inf))
 
-    @property
-    def rotation_limit(self) -> float:
-        """Limit of rotation relative to the frame, rad: foreshortening theta^2 / 2 is half a percent."""
-        return 0.1
+    rotation_limit: ClassVar[float] = 0.1
+    """Limit of rotation relative to the frame, rad: foreshortening theta^2 / 2 is half a percent."""
 
     @property
     def rotation_rows(self) -> NDArray[np.float64] | None:

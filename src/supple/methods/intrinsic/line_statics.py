@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 import jax
 import numpy as np
@@ -69,10 +70,8 @@ class LineStatics(SteadyEquations):
         sizes = [6 + placed.body.n_coordinates for placed in self.machine.system.bodies]
         return tuple(slice(end - size, end) for end, size in zip(np.cumsum(sizes), sizes, strict=True))
 
-    @property
-    def is_discrete(self) -> bool:
-        """True: forces refer to time derivatives of positions, inertia to velocities of the modes."""
-        return True
+    is_discrete: ClassVar[bool] = True
+    """True: forces refer to time derivatives of positions, inertia to velocities of the modes."""
 
     def start(self) -> StaticState:
         """The bodies as placed, with zero joint forces."""
