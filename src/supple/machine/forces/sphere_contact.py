@@ -67,11 +67,8 @@ class SphereOnPlane(SphereContact):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SphereOnCylinder(SphereContact):
-    """A sphere (first end) outside a cylinder about `axis` through the second end, for example a cam roller.
-
-    cylinder_radius : radius of the cylinder, a length
-    """
+class _CylinderContact(SphereContact):
+    """A sphere against a cylinder about `axis` through the second end."""
 
     cylinder_radius: Positive
 
@@ -79,6 +76,14 @@ class SphereOnCylinder(SphereContact):
     def parameters(self) -> tuple[float, ...]:
         """`(radius, mu, w, k, n, a, cylinder_radius)`."""
         return (*super().parameters, self.cylinder_radius)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SphereOnCylinder(_CylinderContact):
+    """A sphere (first end) outside a cylinder about `axis` through the second end, for example a cam roller.
+
+    cylinder_radius : radius of the cylinder, a length
+    """
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
@@ -92,13 +97,11 @@ class SphereOnCylinder(SphereContact):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SphereInCylinder(SphereContact):
+class SphereInCylinder(_CylinderContact):
     """A sphere (first end) inside a hollow cylinder about `axis` through the second end.
 
     cylinder_radius : inner radius, larger than the sphere's, a length
     """
-
-    cylinder_radius: Positive
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -107,11 +110,6 @@ class SphereInCylinder(SphereContact):
                 f"{self.label}: the cylinder's radius must be more than the sphere's, got "
                 f"{self.cylinder_radius} and {self.radius}"
             )
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """`(radius, mu, w, k, n, a, cylinder_radius)`."""
-        return (*super().parameters, self.cylinder_radius)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004

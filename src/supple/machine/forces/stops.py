@@ -19,7 +19,31 @@ __all__ = ["AngleStop", "DistanceStop", "SlideStop"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class AngleStop(AxialElement):
+class _Stop(ForceElement):
+    """A force by a penalty beyond a lower and an upper limit."""
+
+    lower: float
+    upper: float
+    penalty: Penalty
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._check_limits()
+
+    def _check_limits(self) -> None:
+        if not self.lower <= self.upper:  # also for NaN
+            raise ModelError(
+                f"{self.label}: lower must not be above upper, got {self.lower} and {self.upper}"
+            )
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Limits and penalty."""
+        return (self.lower, self.upper, *self.penalty.parameters)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AngleStop(_Stop, AxialElement):
     """Moment that limits the angle of the second end about the first end's axis to `lower <= phi <= upper`.
 
     The angle is counted from -pi to pi about the middle of both limits: it does not jump near a limit.
@@ -28,22 +52,12 @@ class AngleStop(AxialElement):
     penalty : Penalty, whose depth is the angle beyond a limit, rad
     """
 
-    lower: float
-    upper: float
-    penalty: Penalty
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def _check_limits(self) -> None:
         if not -np.pi < self.lower <= self.upper < np.pi:
             raise ModelError(
                 f"{self.label}: the limits must be -pi < lower <= upper < pi, because the angle jumps at pi; "
                 f"got {self.lower} and {self.upper}"
             )
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """Limits and penalty."""
-        return (self.lower, self.upper, *self.penalty.parameters)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
@@ -58,7 +72,7 @@ class AngleStop(AxialElement):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SlideStop(AxialElement):
+class SlideStop(_Stop, AxialElement):
     """Force that limits the slide `x = z_1 . (r_2 - r_1)` along the first end's axis: `lower <= x <= upper`.
 
     lower, upper : limits of the slide, a length; infinite: no stop on that side
@@ -67,16 +81,6 @@ class SlideStop(AxialElement):
 
     lower: float = -np.inf
     upper: float = np.inf
-    penalty: Penalty
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _check_limits(self, self.lower, self.upper)
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """Limits and penalty."""
-        return (self.lower, self.upper, *self.penalty.parameters)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
@@ -92,7 +96,7 @@ class SlideStop(AxialElement):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DistanceStop(AnchoredElement):
+class DistanceStop(_Stop, AnchoredElement):
     """Force that limits the distance of two points to `lower <= l <= upper`: a rope or a bump stop.
 
     lower, upper : limits of the distance, a length; an infinite upper limit is no stop
@@ -101,18 +105,8 @@ class DistanceStop(AnchoredElement):
 
     lower: float = 0.0
     upper: float = np.inf
-    penalty: Penalty
 
     acts_along_line: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _check_limits(self, self.lower, self.upper)
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """Limits and penalty."""
-        return (self.lower, self.upper, *self.penalty.parameters)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
@@ -146,8 +140,3 @@ def _push(place: jax.Array, rate: jax.Array, parameters: Parameters) -> jax.Arra
 def _stored(place: jax.Array, parameters: Parameters) -> jax.Array:
     lower, upper, *penalty = parameters
     return penalty_energy(lower - place, penalty) + penalty_energy(place - upper, penalty)
-
-
-def _check_limits(stop: ForceElement, lower: float, upper: float) -> None:
-    if not lower <= upper:  # also for NaN
-        raise ModelError(f"{stop.label}: lower must not be above upper, got {lower} and {upper}")
