@@ -8,10 +8,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from supple.arrays import AnyArray
 from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.joint_wrench import joint_wrenches
 from supple.errors import ModelError
-from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution, Statistics
+from supple.integrate import (
+    FloatingMotion,
+    FramedMotion,
+    Motion,
+    Run,
+    Solution,
+    Statistics,
+    damps_joint_forces,
+)
 from supple.machine import System
 
 
@@ -131,12 +140,12 @@ def last_instant(system: System, done: Solution) -> SystemMotion:
     )
 
 
-def failure_message(time: float, relative_residual: np.ndarray, *, undamped: bool = False) -> str:
+def failure_message(system: System, run: Run, time: AnyArray, relative_residual: AnyArray) -> str:
     """Message with the time and the likely cause of a failed run.
 
     relative_residual : (4,)    of forces, moments, deformation and constraints
-    undamped : the machine has joints, and the method does not damp their forces
     """
+    relative_residual = np.asarray(relative_residual)
     kinds = ("forces", "moments", "deformation", "constraints")
     worst = int(np.argmax(np.where(np.isfinite(relative_residual), relative_residual, np.inf)))
     if not np.isfinite(relative_residual).all():
@@ -149,7 +158,7 @@ def failure_message(time: float, relative_residual: np.ndarray, *, undamped: boo
         "The likely cause is the method: with rho_inf = 1, as with the trapezoidal rule, nothing damps the "
         "oscillations of joint forces, which grow; take GeneralizedAlpha(0.8), rho_inf = 0.8 in a case "
         "file. Otherwise: a singular"
-        if undamped
+        if system.joints and not damps_joint_forces(run.second_order_method)
         else "A singular"
     )
     return (

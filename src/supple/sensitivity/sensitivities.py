@@ -16,9 +16,10 @@ from supple.arrays import FloatArray
 from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_resolution import report_step_length
 from supple.equations.checks.validity import watch
+from supple.equations.floating_solution import failure_message
 from supple.errors import ArgumentError, ConvergenceError, ModelError, did_you_mean
 from supple.integrate import Run, Solution
-from supple.methods.floating.compiled.engine import as_solution, controls, march_failure, march_statistics
+from supple.methods.floating.compiled.engine import as_solution, controls, march_statistics
 from supple.methods.floating.compiled.sensitivity_march import march_with_changes
 from supple.methods.floating.compiled.sensitivity_step import StateChange
 from supple.methods.floating.compiled.state import State
@@ -149,7 +150,7 @@ def _marched(machine: ParameterChanges, run: Run) -> tuple[State, StateChange, S
     )
     last = found.last
     if last.failed:
-        raise ConvergenceError(march_failure(machine.system, run, last))
+        raise ConvergenceError(failure_message(machine.system, run, last.time, last.relative_residual))
     states, changes = jax.tree.map(
         lambda first, rows: np.concatenate([np.asarray(first)[None], rows[machine.outputs]]),
         (machine.state._replace(kept=None), machine.changes.start),

@@ -21,7 +21,7 @@ from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_resolution import report_step_length
 from supple.equations.checks.validity import Peaks, watch
 from supple.equations.control_series import control_series
-from supple.equations.floating_solution import floating_solution
+from supple.equations.floating_solution import failure_message, floating_solution
 from supple.equations.machine_model import Model
 from supple.equations.stops import Stops, laws_of, padded_stops, stepping_instants
 from supple.errors import ModelError
@@ -33,7 +33,6 @@ from supple.methods.floating.compiled.batch_start import BatchStart, batch_start
 from supple.methods.floating.compiled.engine import (
     controls,
     engine_state,
-    march_failure,
     march_statistics,
     system_motion,
 )
@@ -131,7 +130,7 @@ def simulate_batch(
             history = jax.tree.map(lambda leaf: leaf[outputs], states)
             marched[number] = _marched(cases[number], starts, number, last, history, seconds_of_each)
             if last.failed:
-                failures[number] = march_failure(cases[number], run, last)
+                failures[number] = failure_message(cases[number], run, last.time, last.relative_residual)
         if len(marched) >= _RESULTS_AT_ONCE or len(marched) + len(found) == len(cases):
             found |= dict(zip(marched, _solutions_of(list(marched.values())), strict=True))
             for number in marched:

@@ -23,7 +23,7 @@ from supple.equations.floating_solution import (
 from supple.equations.machine_model import Model
 from supple.equations.sampling import march_sampled, sampling_of
 from supple.equations.stops import Stops, stepping_instants
-from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces
+from supple.integrate import Leg, Run, Solution, Statistics, Validity
 from supple.machine import System
 from supple.methods.floating.compiled.contraction import Contraction, no_contraction
 from supple.methods.floating.compiled.frozen_tangent import FrozenInverse, freezes_tangent, no_tangent
@@ -202,7 +202,9 @@ class CompiledEngine:
             statistics=march_statistics(
                 after, clock.perf_counter() - ready, jax.device_get(state), compile_seconds=ready - began
             ),
-            stopped=march_failure(self._system, self._run, after) if after.failed else None,
+            stopped=failure_message(self._system, self._run, after.time, after.relative_residual)
+            if after.failed
+            else None,
         )
 
     def solution(self, leg: Leg[State]) -> Solution:
@@ -240,12 +242,6 @@ def march_statistics(
         float(last.largest_turn),
         int(tangents),
     )
-
-
-def march_failure(system: System, run: Run, failed: State) -> str:
-    """Message with the cause of a failed step and its remedies."""
-    undamped = bool(system.joints) and not damps_joint_forces(run.second_order_method)
-    return failure_message(float(failed.time), np.asarray(failed.relative_residual), undamped=undamped)
 
 
 def as_solution(

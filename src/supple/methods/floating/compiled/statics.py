@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import jax
 import numpy as np
@@ -50,10 +51,8 @@ class CompiledStatics(SteadyEquations):
     machine: CompiledMachine
     begin: Configuration
 
-    @property
-    def is_discrete(self) -> bool:
-        """False: forces and inertia refer to the same velocities."""
-        return False
+    is_discrete: ClassVar[bool] = False
+    """False: forces and inertia refer to the same velocities."""
 
     def start(self) -> StaticState:
         """The bodies as placed, with zero joint forces."""

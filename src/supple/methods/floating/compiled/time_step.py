@@ -99,12 +99,6 @@ def _try_step(
     return end, placed
 
 
-def _turn(model: Model, increments: jax.Array) -> jax.Array:
-    """Largest rotation of a body within a step, rad."""
-    turns = model.frames.take(increments)[:, 3:]
-    return jnp.sqrt(jnp.max(jnp.sum(turns**2, axis=1)))
-
-
 def equal_steps(start: State, end: jax.Array) -> jax.Array:
     """Number of equal steps up to a stop; rounding of the quotient, up to 1e-9, adds no step."""
     return jnp.maximum(jnp.ceil((end - start.time) / start.step * (1 - 1e-9)), 1.0)
@@ -131,7 +125,7 @@ def substep(
     proposed = next_step(h, start.step, error, controls.error_tolerance, controls.largest)
     proposed = jnp.where(converged, proposed, h / 2)
     failed = ~accepted & (proposed < controls.smallest)
-    last = is_last(h, remaining)
+    last, turns = is_last(h, remaining), model.frames.take(placed.increments)[:, 3:]
     contraction = new_contraction(
         start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged
     )
@@ -153,7 +147,7 @@ def substep(
         relative_residual=iteration.relative_residual,
         contraction=contraction,
         largest_error=jnp.maximum(start.largest_error, error),
-        largest_turn=jnp.maximum(start.largest_turn, _turn(model, placed.increments)),
+        largest_turn=jnp.maximum(start.largest_turn, jnp.sqrt(jnp.max(jnp.sum(turns**2, axis=1)))),
         kept=kept,
     )
     after = after._replace(control=stepped(model, motion_of(rule, start, after)))

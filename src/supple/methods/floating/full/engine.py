@@ -22,7 +22,7 @@ from supple.equations.sampling import sampling_of
 from supple.equations.station_body import MachineWithStations
 from supple.equations.step_size import next_step
 from supple.equations.stops import Stops, stepping_instants
-from supple.integrate import Leg, Run, Solution, Statistics, StepRule, damps_joint_forces
+from supple.integrate import Leg, Run, Solution, Statistics, StepRule
 from supple.machine import System
 from supple.methods.floating.full.frozen_tangent import FrozenTangent, tangent_numbers, tangent_of
 from supple.methods.floating.full.full_solution import full_solution
@@ -126,10 +126,7 @@ class FullEngine:
                 state = state._replace(state=self._sampled(state.state))
             state, residual = self._to_output(state, float(end))
             if residual is not None:
-                undamped = bool(self._machine.system.joints) and not damps_joint_forces(
-                    self._run.second_order_method
-                )
-                stopped = failure_message(state.state.time, residual, undamped=undamped)
+                stopped = failure_message(self._machine.system, self._run, state.state.time, residual)
                 break
             if number in outputs:
                 reached.append(state.state)
