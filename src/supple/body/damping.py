@@ -168,6 +168,11 @@ class ModalDamping:
     retardation_time: ClassVar[float] = 0.0
     """The damping force is not that of viscous stresses beta C eps_dot."""
 
+    def of_modes(self, n: int) -> NDArray[np.float64]:
+        """Damping ratios of the damped modes of a body with n modes."""
+        given, damped = np.asarray(self.ratios), np.arange(n)[: self.n_modes]
+        return given[np.minimum(damped, given.size - 1)]
+
     def matrix(self, stiffness: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
         """C (r, r) of a reduced body, from its K and `mass` = P^T M P, both (r, r) and dense."""
         M = np.asarray(mass, dtype=np.float64)
@@ -198,10 +203,9 @@ class ModalDamping:
         mass: NDArray[np.float64] | sparse.csc_array,
     ) -> NDArray[np.float64]:
         """M phi sqrt(2 zeta omega) of the damped modes."""
-        given, number = np.asarray(self.ratios), np.arange(len(squares))[: self.n_modes]
-        ratios = given[np.minimum(number, given.size - 1)]
-        omega = np.sqrt(np.maximum(squares[number], 0))
-        return (mass @ modes[:, number]) * np.sqrt(2 * ratios * omega)
+        ratios = self.of_modes(len(squares))
+        omega = np.sqrt(np.maximum(squares[: len(ratios)], 0))
+        return (mass @ modes[:, : len(ratios)]) * np.sqrt(2 * ratios * omega)
 
 
 Damping = RayleighDamping | LinearRayleighDamping | ModalDamping

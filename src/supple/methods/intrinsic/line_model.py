@@ -126,9 +126,8 @@ def _damping(
         case None:
             pass
         case ModalDamping():
-            given = np.asarray(damping.ratios)
-            ratios = given[np.minimum(np.arange(damped.n_elastic), given.size - 1)]
-            ratios[damped.n_elastic if damping.n_modes is None else damping.n_modes :] = 0.0
+            ratios = np.zeros(damped.n_elastic)
+            ratios[: damping.n_modes] = damping.of_modes(damped.n_elastic)
             # On strain rates: damping of velocities would also resist motion without strain.
             retardation = 2 * ratios / damped.omega[damped.n_rigid :]
             if damped is not modes:
