@@ -51,8 +51,22 @@ def regularized_direction(velocity: jax.Array, width: jax.Array) -> jax.Array:
     return velocity / jnp.sqrt(jnp.sum(velocity**2) + width**2)
 
 
+class _Friction(AxialElement):
+    """Friction of given size along an axis, with the field `width`."""
+
+    parameter_fields: ClassVar[tuple[str, ...]] = ("width",)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if isinstance(self.law, Constant) and np.any(np.asarray(self.law.value) < 0):
+            raise ModelError(
+                f"{self.label}: the {self.law_field} must not be negative, got {self.law.value}: friction "
+                "would drive the motion. Give the magnitude; friction acts against either direction"
+            )
+
+
 @dataclass(frozen=True, kw_only=True)
-class RevoluteFriction(AxialElement):
+class RevoluteFriction(_Friction):
     """Moment `M v / sqrt(v^2 + w^2)` against the rate v of the angle about the axis of a hinge.
 
     M does not depend on the joint force. For a preload N at a radius r, `M = mu N r`. For friction that
@@ -66,11 +80,6 @@ class RevoluteFriction(AxialElement):
     width: Positive
 
     law_field: ClassVar[str] = "moment"
-    parameter_fields: ClassVar[tuple[str, ...]] = ("width",)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _check_resists(self)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
@@ -80,7 +89,7 @@ class RevoluteFriction(AxialElement):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PrismaticFriction(AxialElement):
+class PrismaticFriction(_Friction):
     """Force `F v / sqrt(v^2 + w^2)` against the sliding speed v along an axis.
 
     F does not depend on the joint force. For a preload N, `F = mu N`. For friction that depends on the joint
@@ -94,11 +103,6 @@ class PrismaticFriction(AxialElement):
     width: Positive
 
     law_field: ClassVar[str] = "force"
-    parameter_fields: ClassVar[tuple[str, ...]] = ("width",)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _check_resists(self)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
@@ -106,12 +110,3 @@ class PrismaticFriction(AxialElement):
         speed = axial_motion(first, second).speed
         force = -value * regularized_direction(speed, parameters[0]) * first.axes[:, 2]
         return force_pair(first, second, force, jnp.zeros(3))
-
-
-def _check_resists(element: AxialElement) -> None:
-    law = element.law
-    if isinstance(law, Constant) and np.any(np.asarray(law.value) < 0):
-        raise ModelError(
-            f"{element.label}: the {element.law_field} must not be negative, got {law.value}: friction would "
-            "drive the motion. Give the magnitude; friction acts against either direction"
-        )
