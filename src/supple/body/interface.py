@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
-from supple.algebra.cross import cross_matrix
 from supple.arguments import check_numbers, check_text
+from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError, did_you_mean
 from supple.importers import Connection
 
@@ -164,9 +164,8 @@ class Interface(Protocol):
 
 def moves_rigidly_with(interface: BodyInterface, other: BodyInterface) -> bool:
     """Whether `interface` moves like a point rigidly attached to `other`."""
-    carried = np.eye(6)
-    carried[:3, 3:] = -cross_matrix(interface.position - other.position)
-    difference = abs(interface.motion - sparse.csr_array(carried) @ other.motion)
+    carried = sparse.csr_array(nodal_rigid_modes((interface.position - other.position)[None], 6))
+    difference = abs(interface.motion - carried @ other.motion)
     return bool(difference.max() <= SAME_MOTION * abs(interface.motion).max())
 
 

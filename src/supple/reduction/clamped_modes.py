@@ -12,6 +12,7 @@ from scipy.sparse import sparray
 from supple.algebra import read_only
 from supple.algebra.constrained_solve import dense_rows
 from supple.body import FlexibleBody
+from supple.body.rigid_motion import nodal_rigid_modes
 from supple.reduction.reduced_body import ReducedBody
 
 __all__ = ["BodyModes", "ClampedModes", "body_modes", "clamped_modes"]
@@ -59,8 +60,7 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
     fields = np.r_[0:6, 6 + 3 * r : 6 + 4 * r]
     mass = body.gram[np.ix_(fields, fields)]
     stiffness = linalg.block_diag(np.zeros((6, 6)), body.stiffness)
-    rigid = np.eye(6)
-    rigid[:3, 3:] = np.cross(np.eye(3), place.position).T
+    rigid = nodal_rigid_modes(place.position[None], 6)
     free = linalg.null_space(np.hstack([rigid, place.motion]))
     values, vectors = linalg.eigh(free.T @ stiffness @ free, free.T @ mass @ free)
     motion = (free @ vectors[:, :n_modes]).T

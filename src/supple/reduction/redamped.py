@@ -8,6 +8,7 @@ import numpy as np
 
 from supple.arrays import FloatArray
 from supple.body import Damping
+from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError
 from supple.reduction.projection import counted_damping
 from supple.reduction.reduced_body import ReducedBody
@@ -64,8 +65,7 @@ def _mass_beside(body: ReducedBody, held: str | None) -> FloatArray:
     if held is None:
         return np.eye(r)
     place = body.interface(held)
-    rigid = np.eye(6)
-    rigid[:3, 3:] = np.cross(np.eye(3), place.position).T
+    rigid = nodal_rigid_modes(place.position[None], 6)
     seen = np.vstack([-np.linalg.solve(rigid, place.motion), np.eye(r)])
     fields = np.r_[0:6, 6 + 3 * r : 6 + 4 * r]
     return seen.T @ body.gram[np.ix_(fields, fields)] @ seen
