@@ -23,7 +23,7 @@ from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.body.recovery import Recovery
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.body.second_order_tie import with_virtual_nodes
-from supple.body.virtual_node import interface_motions, virtual_nodes
+from supple.body.virtual_node import VirtualNode, interface_motions, virtual_nodes
 from supple.errors import ModelError
 from supple.fem import Attached
 
@@ -74,14 +74,7 @@ def free_body(
     every = nodes if recovery is None else np.concatenate([nodes, recovery.points])
     tied = np.concatenate([np.empty(0, dtype=np.int64), *(each.nodes for each in attached.rigid)])
     virtual = virtual_nodes(name, every, dofs_per_node, interfaces, node_ids, tied)
-    rigid = [(node.name, node.node_ids, node.position) for node in virtual if node.is_rigid]
-    for interface, members, _ in rigid:
-        if members.max() >= len(nodes):
-            raise ModelError(
-                f"body '{name}', interface '{interface}': a recovered point follows the boundary and the "
-                'modes, so nothing can be tied to it; take kind = "averaging" (AveragingInterface), or a '
-                "boundary grid"
-            )
+    rigid = _rigid_interfaces(name, virtual, len(nodes))
     sets = rigid_sets(name, len(nodes), rigid, attached)
     if len(sets) == 1 and len(sets[0][0]) == len(nodes) and not n_modal:
         raise ModelError(f"body '{name}': its interfaces tie every node rigidly; use a RigidBody")
@@ -100,22 +93,13 @@ def free_body(
         check_moves_rigidly(name, "damping", C_nodal, R, dofs_per_node, rigid_tolerance, labels)
         C = made.of(C_nodal)
         check_dissipates(name, C, made.stiffness, rigid_tolerance)
-    n_nodal = len(nodes) * dofs_per_node
-    of_all = made.expansion
-    T = sparse.csc_array(of_all[:n_nodal]) if n_modal else of_all
+    n_nodal, n_wide = len(nodes) * dofs_per_node, len(every) * dofs_per_node
+    T = sparse.csc_array(made.expansion[:n_nodal])
     own_mass = sparse.csc_array(M_nodal[:n_nodal, :n_nodal])
-    of_nodes, of_points = own_mass, None
+    own_mass.resize(n_wide, n_wide)  # zeros for recovered points, also below
     if recovery is not None:
         recovery.check(name, nodes, dofs_per_node, n_nodal + n_modal)
-        T = sparse.csc_array(sparse.vstack([T, recovery.rows(dofs_per_node) @ of_all]))
-        masses = recovery.masses(M_nodal.toarray(), nodes, dofs_per_node) if n_modal else None
-        if masses is not None:
-            of_nodes = _on_axes(masses[0])
-            of_points = sparse.csc_array(recovery.matrix) @ of_all, _on_axes(masses[1])
-    threes = _threes(made, of_nodes, of_points)
-    if recovery is not None:  # the points have zeros
-        n_wide = len(every) * dofs_per_node
-        own_mass.resize(n_wide, n_wide)
+        T = sparse.csc_array(sparse.vstack([T, recovery.rows(dofs_per_node) @ made.expansion]))
         if rotation_operator is not None:
             rotation_operator = sparse.csc_array(rotation_operator, copy=True)
             rotation_operator.resize(rotation_operator.tocsr().indptr.size - 1, n_wide)
@@ -141,7 +125,7 @@ def free_body(
         force=LinearForce(made.stiffness) if model is None else _quadratic_force(model, made),
         rotation_operator=rotation_operator,
         rotation_limit=rotation_limit,
-        threes=threes,
+        threes=_threes(made, M_nodal, nodes, dofs_per_node, recovery),
         n_modal=n_modal,
         massless=np.unique(displaced // dofs_per_node),
         damping=C,
@@ -153,22 +137,43 @@ def free_body(
     return body
 
 
+def _rigid_interfaces(
+    body: str, virtual: tuple[VirtualNode, ...], n_nodes: int
+) -> list[tuple[str, NDArray[np.int64], NDArray[np.float64]]]:
+    """Name, nodes and position of each rigid interface; ModelError for one on recovered points."""
+    rigid = [(node.name, node.node_ids, node.position) for node in virtual if node.is_rigid]
+    for interface, members, _ in rigid:
+        if members.max() >= n_nodes:
+            raise ModelError(
+                f"body '{body}', interface '{interface}': a recovered point follows the boundary and the "
+                'modes, so nothing can be tied to it; take kind = "averaging" (AveragingInterface), or a '
+                "boundary grid"
+            )
+    return rigid
+
+
 def _threes(
     made: Coordinates,
     nodal_mass: sparse.csc_array,
-    points: tuple[sparse.csc_array, sparse.csc_array] | None,
+    nodes: NDArray[np.float64],
+    dofs_per_node: int,
+    recovery: Recovery | None,
 ) -> tuple[sparse.csc_array, sparse.csc_array] | None:
     """Map (n0, n) from q to the coordinates in triples q0, and the mass (n0, n0) of q0; None if q0 = q.
 
-    Modal coordinates are not in q0.
-    points : displacements (3 P, n) of recovered points, and their mass (3 P, 3 P)
+    Modal coordinates are not in q0; displacements of recovered points are, if masses of them are known.
     """
     if (rest := made.threes) is None:
         return None
-    n_threes, n_nodal = rest.indptr.size - 1, nodal_mass.indptr.size - 1
-    mass = congruent(sparse.csc_array(made.whole[:n_nodal, :n_threes]), nodal_mass)
-    if points is not None:
-        rest, mass = sparse.vstack([rest, points[0]]), sparse.block_diag([mass, points[1]])
+    n_nodal = len(nodes) * dofs_per_node
+    whole = sparse.csc_array(made.whole[:n_nodal, : rest.indptr.size - 1])
+    masses = None
+    if recovery is not None and made.n_modal:
+        masses = recovery.masses(nodal_mass.toarray(), nodes, dofs_per_node)
+    if recovery is None or masses is None:
+        return sparse.csc_array(rest), congruent(whole, sparse.csc_array(nodal_mass[:n_nodal, :n_nodal]))
+    rest = sparse.vstack([rest, sparse.csc_array(recovery.matrix) @ made.expansion])
+    mass = sparse.block_diag([congruent(whole, _on_axes(masses[0])), _on_axes(masses[1])])
     return sparse.csc_array(rest), sparse.csc_array(mass)
 
 
