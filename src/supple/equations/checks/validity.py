@@ -11,7 +11,6 @@ on soft sections change deflections if the sections rotate relative to the frame
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -22,7 +21,7 @@ from scipy.sparse import csc_array
 from supple.algebra.largest_vector import largest_vector
 from supple.body import BodyForm, Frame, MeanAxisFrame, smaller_rotations
 from supple.body.averaging_error import DEFLECTION_ERROR
-from supple.errors import ValidityError, ValidityWarning
+from supple.equations.checks.strictness import Watch
 from supple.integrate import FramedMotion, Solution, Validity
 from supple.machine import At, ForceElement
 from supple.machine.system import System
@@ -94,10 +93,9 @@ class _Limits:
 
 
 @dataclass(frozen=True, eq=False)
-class ValidityMonitor:
+class ValidityMonitor(Watch[Peaks]):
     """The limits of a system's bodies, and the check of a run against them."""
 
-    validity: Validity
     limits: tuple[_Limits, ...]
 
     def peaks(self, chunk: Solution) -> dict[str, Peaks]:
@@ -108,32 +106,22 @@ class ValidityMonitor:
             for motion in (chunk.motion(own.body.name, FramedMotion),)
         }
 
-    def observe(self, so_far: Mapping[str, Peaks], chunk: Solution) -> dict[str, Peaks]:
-        """The peaks including those of a new chunk; in a strict run ValidityError at an exceeded limit."""
-        new = self.peaks(chunk)
-        merged = {name: so_far.get(name, Peaks()).merged(peak) for name, peak in new.items()}
-        if self.validity.strict:
-            for message in self.excesses(merged):
-                raise ValidityError(message)
-        return merged
+    def updated(self, so_far: Mapping[str, Peaks], leg: Solution) -> dict[str, Peaks]:
+        """The peaks including those of a leg."""
+        return {name: so_far.get(name, Peaks()).merged(peak) for name, peak in self.peaks(leg).items()}
 
-    def excesses(self, peaks: Mapping[str, Peaks]) -> list[str]:
+    def excesses(self, found: Mapping[str, Peaks]) -> list[str]:
         """A message for every exceeded limit: body, value, limit, consequence and remedy."""
-        found = []
+        messages = []
         for own in self.limits:
-            peak = peaks.get(own.body.name, Peaks())
+            peak = found.get(own.body.name, Peaks())
             if peak.spin > own.spin:
-                found.append(_too_fast(own, peak))
+                messages.append(_too_fast(own, peak))
             if peak.rotation > own.rotation:
-                found.append(_too_wide(own, peak))
+                messages.append(_too_wide(own, peak))
             if peak.softened > SOFTENED_LIMIT:
-                found.append(_out_of_shape(own, peak))
-        return found
-
-    def report(self, peaks: Mapping[str, Peaks]) -> None:
-        """Warn of every exceeded limit."""
-        for message in self.excesses(peaks):
-            warnings.warn(message, ValidityWarning, stacklevel=3)
+                messages.append(_out_of_shape(own, peak))
+        return messages
 
 
 def _too_fast(own: _Limits, peak: Peaks) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeGuard
@@ -10,7 +9,7 @@ from typing import TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.errors import ValidityError, ValidityWarning
+from supple.equations.checks.strictness import Watch
 from supple.integrate import Solution, Validity
 from supple.machine import FollowerPressure, System
 from supple.mesh.outer_faces import outer_triangles
@@ -20,30 +19,26 @@ from supple.methods.explicit.motions import NodalMotion
 
 
 @dataclass(frozen=True, eq=False)
-class DeletionWatch:
+class DeletionWatch(Watch[float]):
     """Parts whose elements can be deleted below faces of a contact or a pressure.
 
     below : message, name of the part, and its elements (E,) below the faces
     """
 
-    validity: Validity
     below: tuple[tuple[str, str, NDArray[np.bool_]], ...]
 
-    def observe(self, so_far: Mapping[str, float], leg: Solution) -> dict[str, float]:
-        """Messages with the time of the first deletion; ValidityError at the first one if strict."""
+    def updated(self, so_far: Mapping[str, float], leg: Solution) -> dict[str, float]:
+        """Messages with the time of the first deletion."""
         found = dict(so_far)
         for message, part, below in self.below:
             alive = leg.motion(part, NodalMotion).alive[:, below].all(axis=1)
             if not alive.all():
                 found.setdefault(message, float(leg.times[alive.argmin()]))
-                if self.validity.strict:
-                    raise ValidityError(f"{message} (t = {found[message]:.4g})")
         return found
 
-    def report(self, found: Mapping[str, float]) -> None:
-        """Warn about every contact and pressure with deleted elements."""
-        for message, time in found.items():
-            warnings.warn(f"{message} (t = {time:.4g})", ValidityWarning, stacklevel=3)
+    def excesses(self, found: Mapping[str, float]) -> list[str]:
+        """A message for every contact and pressure with deleted elements."""
+        return [f"{message} (t = {time:.4g})" for message, time in found.items()]
 
 
 def deletion_watch(system: System, validity: Validity) -> DeletionWatch:

@@ -29,10 +29,10 @@ class ShellStrainWatch(PeakWatch):
         for shell in self.shells:
             yield shell.name, leg.motion(shell.name, NodalMotion).plastic_strain
 
-    def excesses(self, peaks: Mapping[str, Peak]) -> list[str]:
+    def excesses(self, found: Mapping[str, Peak]) -> list[str]:
         """A message for every shell of large strain."""
         return [
-            _is_large(shell, *peaks[shell.name]) for shell in self.shells if peaks[shell.name][0] > LARGEST
+            _is_large(shell, *found[shell.name]) for shell in self.shells if found[shell.name][0] > LARGEST
         ]
 
 

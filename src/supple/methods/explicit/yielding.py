@@ -44,12 +44,12 @@ class YieldWatch(PeakWatch):
             stresses = (np.einsum("k,knlc->nlc", row, own.of_modes) for row in rows)
             yield own.part.name, np.array([von_mises(each).max(axis=1) for each in stresses])
 
-    def excesses(self, peaks: Mapping[str, Peak]) -> list[str]:
+    def excesses(self, found: Mapping[str, Peak]) -> list[str]:
         """A message for every limit exceeded."""
         return [
-            _yields(own, *peaks[own.part.name])
+            _yields(own, *found[own.part.name])
             for own in self.limits
-            if peaks[own.part.name][0] > own.yield_stress
+            if found[own.part.name][0] > own.yield_stress
         ]
 
 
