@@ -13,7 +13,7 @@ from supple.arrays import AnyArray, Tree
 from supple.errors import ModelError, SuppleError
 from supple.machine import Joint, System
 from supple.machine.laws.constant import Constant
-from supple.machine.laws.law_numbers import UnboundedLaw
+from supple.machine.laws.law_numbers import SmoothLaw
 from supple.machine.laws.time_law import as_time_law
 from supple.machine.system import Load
 from supple.quantities import ElementEnergySensor, Quantity, SpringForceSensor
@@ -27,7 +27,7 @@ _Laws = TypeVar("_Laws")
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
-class _External(UnboundedLaw):
+class _External(SmoothLaw):
     """Placeholder of a law: index of each component in the input vector, and initial value."""
 
     places: np.ndarray
@@ -35,12 +35,6 @@ class _External(UnboundedLaw):
 
     def __call__(self, time: AnyArray) -> np.ndarray:  # noqa: ARG002 - the interface of laws
         return self.start
-
-    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002
-        return np.zeros(0)
-
-    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002
-        return float("inf")
 
 
 @dataclass(frozen=True)

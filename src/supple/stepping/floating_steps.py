@@ -19,7 +19,7 @@ from supple.methods.floating.compiled.state import Controls, State
 
 @dataclass(frozen=True, eq=False)
 class FloatingSteps:
-    """The `Marching` of rigid and reduced bodies; its `arrays` are the `Model` of the machine."""
+    """Time integration of rigid and reduced bodies; its `arrays` are the `Model` of the machine."""
 
     controls: Controls
     size: float

@@ -23,16 +23,17 @@ from supple.methods.intrinsic.joined_step import JoinedState, JoinedStepping, jo
 
 
 class SteppedState(NamedTuple):
-    """A `MarchingState` that contains the state of the time integration."""
+    """The state of the time integration between two steps."""
 
     time: AnyArray
     failed: AnyArray
+    """Whether the step did not converge, shape (); the state is then that before the step"""
     march: JoinedState
 
 
 @dataclass(frozen=True, eq=False)
 class JoinedSteps:
-    """The `Marching` of intrinsic and floating bodies, by implicit time integration."""
+    """Implicit time integration of intrinsic and floating bodies; the same functions as `FloatingSteps`."""
 
     stepping: JoinedStepping
     size: float

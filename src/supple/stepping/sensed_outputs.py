@@ -15,6 +15,7 @@ from supple.arrays import AnyArray, Tree
 from supple.equations.build_model import force_group_of, readers_of
 from supple.equations.configuration import SystemMotion
 from supple.equations.ends import markers
+from supple.equations.joint_force import all_multipliers
 from supple.equations.joint_linearization import affine_form, axial
 from supple.equations.machine_model import STATIC, Ends, ForceGroup, Model
 from supple.equations.marker import pose
@@ -218,8 +219,7 @@ def _joint_wrench(system: System, name: str) -> Reads:
             number = group.rows.starts.index(rows.start)
             value = jnp.asarray(_first_of(group.law, number)(motion.time))
         coefficients = jnp.asarray(affine_form(type(joint).constraint, value)[0])
-        every = jnp.zeros(model.n_equations).at[np.array(model.active, dtype=int)].set(motion.multipliers)
-        weights = every[rows] @ coefficients
+        weights = all_multipliers(model, jnp.asarray(motion.multipliers))[rows] @ coefficients
         turn = _pose_of(reader.first, motion).axes.T @ _pose_of(reader.second, motion).axes
         return -jnp.concatenate([weights[:3], axial(weights[3:].reshape(3, 3) @ turn.T)])
 

@@ -21,13 +21,13 @@ from supple.equations.machine_model import Model
 from supple.errors import ModelError
 from supple.integrate import ExplicitRule, Kinematic, Run
 from supple.machine import SampledController, System
+from supple.methods.floating.compiled.state import State
 from supple.methods.intrinsic.supported_root import is_joined
 from supple.quantities import Quantity
 from supple.stepping.consistent_accelerations import after_jump, consistent_accelerations
 from supple.stepping.external_inputs import Driven, ExternalInputs, external_inputs
 from supple.stepping.floating_steps import FloatingSteps, floating_steps
-from supple.stepping.joined_steps import joined_steps
-from supple.stepping.marching import Marching, MarchingState
+from supple.stepping.joined_steps import JoinedSteps, SteppedState, joined_steps
 from supple.stepping.parameters import AffineArrays, MachineParameters, affine_arrays
 from supple.stepping.sensed_machine import SensedMachine, ends_on_lines
 from supple.stepping.sensed_outputs import Contacts, SensedOutputs, contacts_of, sensed_outputs
@@ -46,7 +46,7 @@ class StepState(NamedTuple):
     """Outputs (o,)"""
     touching: AnyArray
     """Mask (c,): True for stops and contacts that are closed"""
-    state: MarchingState
+    state: State | SteppedState
     held: AnyArray
     """Inputs (i,) for which the accelerations of the state hold"""
 
@@ -79,7 +79,7 @@ class StepProgram:
     duration : duration of the run
     """
 
-    march: Marching
+    march: FloatingSteps | JoinedSteps
     parts: AffineArrays
     parameters: tuple[Variable, ...]
     inputs: ExternalInputs
@@ -139,10 +139,10 @@ class StepProgram:
         """
         parts = self.parts.at(now.parameter)
         arrays = self.inputs.given(parts.arrays, now.input)
-        begun: Tree = now.state
-        if self.inputs.jump and isinstance(self.march, FloatingSteps):
-            begun = after_jump(self.inputs, parts.arrays, begun, now.held, now.input)
-        state = self.march.reached(arrays, begun, end)
+        last: Tree = now.state
+        jumps = self.inputs.jump and isinstance(self.march, FloatingSteps)
+        begun: Tree = after_jump(self.inputs, parts.arrays, last, now.held, now.input) if jumps else last
+        state: Tree = self.march.reached(arrays, begun, end)
         motion = self.march.motion(arrays, state)
         outputs = replace(self.outputs, reads=self.inputs.given(parts.reads, now.input))
         elapsed = state.time - now.state.time
@@ -276,7 +276,7 @@ def _without_unread_scales(model: Model) -> Model:
 
 def _made_ready(
     system: System, run: Run, sensors: Sequence[Quantity]
-) -> tuple[Marching, Tree, Tree, SensedMachine]:
+) -> tuple[FloatingSteps | JoinedSteps, Tree, Tree, SensedMachine]:
     """Time integration of a machine, its arrays, the initial state, and the machine for its sensors."""
     if any(placed.body.kind == "intrinsic" for placed in system.bodies):
         joined, machine, begun = joined_steps(system, run, ends_on_lines(system, sensors))
