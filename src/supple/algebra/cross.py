@@ -11,9 +11,9 @@ def cross_matrix(w: np.ndarray) -> np.ndarray:
 
 
 def cross_matrices(vectors: np.ndarray) -> np.ndarray:
-    """`skew(v)` of every row, (N, 3, 3)."""
-    result = np.zeros((len(vectors), 3, 3))
-    x, y, z = vectors.T
-    result[:, 0, 1], result[:, 0, 2], result[:, 1, 2] = -z, y, -x
-    result[:, 1, 0], result[:, 2, 0], result[:, 2, 1] = z, -y, x
+    """`skew(v)` of vectors (..., 3), (..., 3, 3)."""
+    result = np.zeros((*vectors.shape, 3))
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    result[..., 0, 1], result[..., 0, 2], result[..., 1, 2] = -z, y, -x
+    result[..., 1, 0], result[..., 2, 0], result[..., 2, 1] = z, -y, x
     return result

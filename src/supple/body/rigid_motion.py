@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.algebra.cross import cross_matrices
+
 
 def nodal_rigid_modes(nodes: NDArray[np.float64], dofs_per_node: int) -> NDArray[np.float64]:
     """Rigid modes (N * dofs_per_node, 6) about the mesh origin: translations e_i, rotations e_i x x_a."""
@@ -18,10 +20,7 @@ def nodal_rigid_modes(nodes: NDArray[np.float64], dofs_per_node: int) -> NDArray
 
 def cross_of_axes(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Matrices (..., 3, 3) of the maps theta -> theta x v, with columns e_i x v; transposed: u -> v x u."""
-    x, y, z = np.moveaxis(vectors, -1, 0)
-    o = np.zeros_like(x)
-    rows = [[o, z, -y], [-z, o, x], [y, -x, o]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    return np.swapaxes(cross_matrices(vectors), -1, -2)
 
 
 # Nodes are collinear if their spread normal to the best-fit line is at most this fraction of the spread along
@@ -67,9 +66,8 @@ def averaged_motion(
 
     motion = np.zeros((6, len(points), dofs_per_node))
     J_inverse = (axes[:, resolved] / inertias[resolved]) @ axes[:, resolved].T
-    moment_of_displacement = np.swapaxes(cross_of_axes(arms), -1, -2)
     motion[:3, :, :3] = shares[:, None] * np.eye(3)[:, None, :]
-    motion[3:, :, :3] = np.einsum("ij,a,ajk->iak", J_inverse, shares, moment_of_displacement)
+    motion[3:, :, :3] = np.einsum("ij,a,ajk->iak", J_inverse, shares, cross_matrices(arms))
     if dofs_per_node == 6:
         unresolved = axes[:, ~resolved] @ axes[:, ~resolved].T
         motion[3:, :, 3:] = shares[:, None] * unresolved[:, None, :]
