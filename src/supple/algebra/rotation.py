@@ -1,4 +1,4 @@
-"""Finite rotations in JAX: skew matrix, exponential, its right Jacobian, logarithm, Euler parameters.
+"""Finite rotations in JAX: products, skew matrix, exponential, right Jacobian, logarithm, Euler parameters.
 
 A rotation `A` maps body components to global ones. Variations are on the right, in body components:
 `dA = A skew(dpsi)`. All functions are smooth at zero, so that they can be differentiated there.
@@ -17,6 +17,18 @@ import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the fir
 
 # Below this squared angle the trigonometric quotients are replaced by their series (error < 1e-17).
 _SMALL_SQUARED_ANGLE = 1e-2
+
+
+@jax.jit
+def small_product(a: jax.Array, b: jax.Array) -> jax.Array:
+    """`a @ b` for a (..., m) and b (m, n) or (m,), m small, as a part of the surrounding loop.
+
+    XLA calls a library for every `@`: for 3 x 3 matrices the call costs many times the arithmetic. Written as
+    a sum, the product becomes part of the loop around it.
+    """
+    if b.ndim == 1:
+        return (a * b).sum(axis=-1)
+    return (a[..., None] * b).sum(axis=-2)
 
 
 @jax.jit

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from supple.algebra.rotation import rotation_exp, rotation_right_jacobian
-from supple.algebra.small_product import small_product
+from supple.algebra.rotation import rotation_exp, rotation_right_jacobian, small_product
 from supple.arrays import AnyArray
 from supple.equations.machine_model import Model
 from supple.equations.places import over

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import jax
 import jax.numpy as jnp
 
-from supple.algebra.small_product import small_product
+from supple.algebra.rotation import small_product
 from supple.arrays import AnyArray
 from supple.equations.configuration import Configuration
 from supple.equations.machine_model import Ends, ForceGroup, JointGroup

@@ -24,8 +24,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.algebra.rotation import skew
-from supple.algebra.small_product import small_product
+from supple.algebra.rotation import skew, small_product
 from supple.arrays import AnyArray
 from supple.integrate import StepFactors
 

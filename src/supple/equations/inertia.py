@@ -5,8 +5,7 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
-from supple.algebra.rotation import skew
-from supple.algebra.small_product import small_product
+from supple.algebra.rotation import skew, small_product
 from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.floating_inertia import (
     FloatingState,

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.algebra.small_product import small_product
+from supple.algebra.rotation import small_product
 from supple.arrays import AnyArray
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration, SystemMotion, turns_by_increment

@@ -22,8 +22,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra import read_only
-from supple.algebra.rotation import skew
-from supple.algebra.small_product import small_product
+from supple.algebra.rotation import skew, small_product
 from supple.arrays import AnyArray
 from supple.equations.compiler_options import STARTING
 from supple.equations.marker import (

@@ -23,8 +23,13 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from supple.algebra.rotation import right_jacobian_slope, rotation_exp, rotation_right_jacobian, skew
-from supple.algebra.small_product import small_product
+from supple.algebra.rotation import (
+    right_jacobian_slope,
+    rotation_exp,
+    rotation_right_jacobian,
+    skew,
+    small_product,
+)
 from supple.machine.pose import Pose, Wrench
 
 N_LOCAL = 12
