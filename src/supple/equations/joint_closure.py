@@ -7,7 +7,7 @@ import numpy as np
 from supple.equations.build_model import row_scales
 from supple.equations.configuration import Configuration
 from supple.equations.starting_machine import JointTerms, StartingMachine
-from supple.equations.step_size import position_rounding
+from supple.equations.step_size import at_rounding
 from supple.errors import ConvergenceError, ModelError
 from supple.machine import System
 
@@ -33,11 +33,7 @@ def joints_closed(
         terms = machine.joint_terms(time, configuration, velocity)
         gaps = machine.model.as_lengths(np.asarray(terms.residual))
         largest = float(np.max(abs(gaps), initial=0.0))
-        rounding = machine.model.length * float(
-            position_rounding(machine.model.length, configuration.origins)
-        )
-        # Further iterations remove remaining rounding errors, until there is no improvement.
-        if largest <= 0.01 * rounding or (largest <= rounding and largest > 0.1 * before):
+        if at_rounding(machine.model.length, configuration.origins, largest, before):
             return configuration
         before = largest
         rigid, left = _least_rigid_change(machine, configuration, terms)

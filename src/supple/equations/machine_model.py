@@ -218,12 +218,12 @@ class Model:
     @property
     def slices(self) -> tuple[slice, ...]:
         """Positions of each body's velocities in the common vector."""
-        return _slices([6 + r for r in self.sizes])
+        return adjacent_slices([6 + r for r in self.sizes])
 
     @property
     def coordinate_slices(self) -> tuple[slice, ...]:
         """Positions of each body's coordinates in their common vector."""
-        return _slices(self.sizes)
+        return adjacent_slices(self.sizes)
 
     @property
     def frames(self) -> Places:
@@ -292,6 +292,7 @@ class Model:
         )
 
 
-def _slices(sizes: Sequence[int]) -> tuple[slice, ...]:
+def adjacent_slices(sizes: Sequence[int]) -> tuple[slice, ...]:
+    """Slices of the given sizes, one after the other."""
     ends = np.cumsum([0, *sizes])
     return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))

@@ -20,6 +20,15 @@ def position_rounding(length: AnyArray, origins: AnyArray) -> AnyArray:
     return 1e-13 * of.maximum(1.0, of.max(of.abs(origins)) / length)
 
 
+def at_rounding(length: AnyArray, origins: AnyArray, gap: AnyArray, before: AnyArray) -> AnyArray:
+    """Whether a largest gap of the joints is rounding; `before` is that of the iterate before.
+
+    Further iterations remove remaining rounding errors, until there is no improvement.
+    """
+    rounding = length * position_rounding(length, origins)
+    return (gap <= 0.01 * rounding) | ((gap <= rounding) & (gap > 0.1 * before))
+
+
 @jax.jit
 def next_step(
     h: jax.Array | float,

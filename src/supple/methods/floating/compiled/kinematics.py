@@ -23,7 +23,7 @@ from supple.equations.floating_solution import floating_solution, last_instant
 from supple.equations.joint_force import constraints
 from supple.equations.machine_model import Model
 from supple.equations.starting_machine import JointTerms, joint_terms
-from supple.equations.step_size import position_rounding
+from supple.equations.step_size import at_rounding, position_rounding
 from supple.errors import ModelError, ValidityWarning
 from supple.integrate import Leg, Run, Solution, Statistics
 from supple.machine import System
@@ -303,8 +303,7 @@ def _closed(
 
     def unfinished(at: tuple[Configuration, jax.Array, jax.Array, jax.Array]) -> jax.Array:
         configuration, gap, before, iterations = at
-        rounding = model.length * position_rounding(model.length, configuration.origins)
-        closed = (gap <= 0.01 * rounding) | ((gap <= rounding) & (gap > 0.1 * before))
+        closed = at_rounding(model.length, configuration.origins, gap, before)
         return ~closed & jnp.isfinite(gap) & (iterations < MOST_ITERATIONS)
 
     def corrected(

@@ -9,6 +9,7 @@ import time as clock
 from dataclasses import replace
 from typing import NamedTuple
 
+import jax
 import numpy as np
 
 from supple.equations.checks.start_report import report_start
@@ -26,18 +27,19 @@ from supple.integrate import Leg, Run, Solution, Statistics, StepRule
 from supple.machine import System
 from supple.methods.floating.full.frozen_tangent import FrozenTangent, tangent_numbers, tangent_of
 from supple.methods.floating.full.full_solution import full_solution
-from supple.methods.floating.full.full_state import FullState
+from supple.methods.floating.full.full_state import FullState, Unknowns
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.implicit_step import ImplicitStep
 from supple.methods.floating.full.newton import NewtonIteration, modified_newton
-from supple.methods.floating.full.predictor import (
-    Earlier,
-    earlier_numbers,
-    earlier_of,
-    predicted_unknowns,
-)
 
 __all__ = ["FullEngine"]
+
+
+class Earlier(NamedTuple):
+    """Unknowns at the start of the last step, and its size."""
+
+    unknowns: Unknowns
+    step: float
 
 
 class March(NamedTuple):
@@ -111,7 +113,7 @@ class FullEngine:
         return March(
             state,
             float(known.get("step", self._run.step_control.first)),
-            earlier=earlier_of(machine, known.get("earlier", np.empty(0))),
+            earlier=_earlier_of(machine, known.get("earlier", np.empty(0))),
             kept=tangent_of(machine, known.get("kept_tangent", np.empty(0))),
         )
 
@@ -152,7 +154,7 @@ class FullEngine:
             h = remaining / max(np.ceil(remaining / march.step * (1 - 1e-9)), 1.0)
             rule = StepRule(method.coefficients, h)
             step = ImplicitStep(self._machine, march.state, h, rule, self._run.tolerances)
-            found = self._iteration(step, predicted_unknowns(march.state, march.earlier, h), march.kept)
+            found = self._iteration(step, _predicted(march.state, march.earlier, h), march.kept)
             new, converged = found.state, found.converged
             error = np.inf
             if converged:
@@ -205,9 +207,38 @@ class FullEngine:
                 "auxiliary": ending.auxiliary,
                 "step": np.array(last.step),
                 "frame_multipliers": np.array(ending.frame_multipliers),
-                "earlier": earlier_numbers(machine, last.earlier),
+                "earlier": _earlier_numbers(machine, last.earlier),
                 "kept_tangent": tangent_numbers(machine, last.kept),
                 **(by_velocity if machine.lines else {}),
                 **kept_control(machine.model, control.start if control else None),
             },
         )
+
+
+def _predicted(state: FullState, earlier: Earlier | None, h: float) -> Unknowns:
+    """Unknowns at the end of a step of size h: `x_1 + (h / h_0) (x_1 - x_0)`; without `earlier`, `x_1`."""
+    if earlier is None:
+        return state.unknowns
+    ratio = h / earlier.step
+    return jax.tree.map(lambda own, old: own + ratio * (own - old), state.unknowns, earlier.unknowns)
+
+
+def _earlier_numbers(machine: FullSystem, earlier: Earlier | None) -> np.ndarray:
+    """`Earlier` as one row of numbers; NaN before the first step."""
+    if earlier is None:
+        return np.full(_size(machine), np.nan)
+    acceleration, multipliers, frames = earlier.unknowns
+    return np.concatenate([[earlier.step], acceleration, multipliers, *frames])
+
+
+def _earlier_of(machine: FullSystem, numbers: np.ndarray) -> Earlier | None:
+    """The `Earlier` described by `_earlier_numbers`; None for NaN or numbers of another machine."""
+    if len(numbers) != _size(machine) or not np.isfinite(numbers).all():
+        return None
+    m = len(machine.model.active)
+    acceleration, multipliers, frames = np.split(numbers[1:], [machine.n, machine.n + m])
+    return Earlier(Unknowns(acceleration, multipliers, tuple(frames.reshape(-1, 6))), float(numbers[0]))
+
+
+def _size(machine: FullSystem) -> int:
+    return 1 + machine.n + len(machine.model.active) + 6 * len(machine.interiors)

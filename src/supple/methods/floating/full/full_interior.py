@@ -127,7 +127,7 @@ class FullInterior:
 
         increment : (3,) rotation of the frame in this step
         """
-        columns, rows, corner = self._border(self._motion(state), state, increment, factors)
+        columns, rows, corner = self._border(state, increment, factors)
         p = 6 * len(self.full.interfaces)
         constant = factored.responses
         responses = np.hstack([constant[:, :p], -factored.factor.solve(columns), constant[:, p:]])
@@ -135,9 +135,8 @@ class FullInterior:
 
     def linear_parts(self, state: InteriorState) -> tuple[csr_array, ...]:
         """`M`, `C` and `K` (6 + n, 6 + n) of a steadily rotating body, all in body axes."""
-        motion, none = self._motion(state), np.zeros(3)
         borders = [
-            self._border(motion, state, none, StepFactors(*factors))
+            self._border(state, np.zeros(3), StepFactors(*factors))
             for factors in ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
         ]
         still = borders[0]
@@ -194,13 +193,10 @@ class FullInterior:
         return float(momenta.kinetic[0])
 
     def _border(
-        self,
-        motion: FullMotion,
-        state: InteriorState,
-        increment: np.ndarray,
-        factors: StepFactors,
+        self, state: InteriorState, increment: np.ndarray, factors: StepFactors
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tangents of the frame in body components: columns (n, 6), rows (6, n), corner (6, 6)."""
+        motion = self._motion(state)
         columns, rows, corner = self.inertia.border(motion, factors)
         turn = factors.by_position * np.asarray(_right_jacobian(increment))
         frame_force = self.inertia.terms(motion).frame[:3]

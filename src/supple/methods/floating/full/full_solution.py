@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
+from typing import Any
 
 import jax
 import numpy as np
 
-from supple.equations.configuration import Configuration, SystemMotion
+from supple.equations.configuration import SystemMotion
 from supple.equations.control_series import control_series
 from supple.equations.floating_solution import StationMotions, floating_solution
 from supple.integrate import Solution, Statistics
@@ -23,23 +24,16 @@ def full_solution(
     engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> Solution:
     """The motion through some states, with the forces of the joints."""
-    configuration = Configuration(
-        *(
-            np.array([getattr(state.configuration, name) for state in states])
-            for name in Configuration._fields
-        )
-    )
-    motion = SystemMotion(
-        np.array([state.time for state in states]),
-        configuration,
-        np.array([state.velocity for state in states]),
-        np.array([state.acceleration for state in states]),
-        np.array([state.multipliers for state in states]),
-    )
+
+    def over_time(name: str) -> Any:
+        return jax.tree.map(lambda *own: np.array(own), *(getattr(state, name) for state in states))
+
+    items = "time", "configuration", "velocity", "acceleration", "multipliers"
+    motion, active = SystemMotion(*map(over_time, items)), machine.model.active
     return floating_solution(
         machine.system,
         machine.slices,
-        machine.model.active,
+        active,
         motion,
         statistics,
         engine_state,

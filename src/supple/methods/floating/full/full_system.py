@@ -19,7 +19,6 @@ from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Self
 
 import jax
@@ -35,7 +34,7 @@ from supple.equations.configuration import Configuration, ControlStep, SystemMot
 from supple.equations.control_start import control_after, fresh_control
 from supple.equations.inertia import mass_matrix
 from supple.equations.joint_force import constraint_rows
-from supple.equations.machine_model import Model
+from supple.equations.machine_model import Model, adjacent_slices
 from supple.equations.starting_machine import JointTerms, converged_reactions, joint_terms
 from supple.equations.station_body import BodyState, MachineWithStations, Stations
 from supple.equations.step_size import position_rounding
@@ -94,8 +93,8 @@ class FullSystem:
         self.system = system = seen.system
         self.seen, self.lines = seen.seen, seen.bodies
         sizes = [placed.body.n_coordinates for placed in system.bodies]
-        self.slices = _slices([6 + r for r in sizes])
-        self.coordinate_slices = _slices(sizes)
+        self.slices = adjacent_slices([6 + r for r in sizes])
+        self.coordinate_slices = adjacent_slices(sizes)
         self.n = self.slices[-1].stop
         self.interiors = tuple(
             prepare_interior(system.body_index(name), full, _loads_on(system, full))
@@ -571,9 +570,7 @@ class FullSystem:
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Motions (n,) of bodies at rest under joint forces alone, and their multipliers, for each target."""
         still = self.evaluate(self.state_at(0.0, configuration, np.zeros(self.n)), 0.0)
-        balanced = still.left_with(
-            np.zeros_like(still.border.inertia), tuple(np.zeros_like(r) for r in still.interior_residuals)
-        )
+        balanced = self.under(still, np.zeros(self.model.n_velocities))
         none, factors = np.zeros(self.n), StepFactors(0.0, 0.0)
         eliminations = self.eliminated(
             balanced.interior_states, self.turns(none), factors, FullTangent.serving
@@ -634,11 +631,6 @@ _rotations_exp = jax.jit(jax.vmap(rotation_exp))
 def _loads_on(system: System, full: FullBody) -> tuple[NodalLoad, ...]:
     given = (load for load in system.loads if isinstance(load, NodalLoad) and load.body == full.name)
     return tuple(load for load in given if is_on_full_nodes(system, load))
-
-
-def _slices(sizes: list[int]) -> tuple[slice, ...]:
-    ends = np.cumsum([0, *sizes])
-    return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
 
 
 def _squares_by_kind(row: np.ndarray) -> np.ndarray:

@@ -18,7 +18,7 @@ from supple.equations.consistent_start import consistent_start
 from supple.equations.floating_solution import last_instant
 from supple.equations.starting_machine import JointTerms, converged_reactions
 from supple.equations.station_body import MachineWithStations
-from supple.equations.step_size import position_rounding
+from supple.equations.step_size import at_rounding
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import Leg, Run, Solution, Statistics
 from supple.methods.floating.compiled.kinematics import (
@@ -148,9 +148,7 @@ class FullKinematicEngine:
         for iteration in range(MOST_ITERATIONS + 1):
             terms = machine.joint_terms(time, configuration, none)
             gap = float(np.max(abs(machine.model.as_lengths(np.asarray(terms.residual)))))
-            length = float(machine.model.length)
-            rounding = length * float(position_rounding(length, configuration.origins))
-            if gap <= 0.01 * rounding or (gap <= rounding and gap > 0.1 * before):
+            if at_rounding(machine.model.length, configuration.origins, gap, before):
                 return configuration, iteration
             before = gap
             change = np.linalg.solve(self._of_frames(terms.jacobian), -terms.residual)
