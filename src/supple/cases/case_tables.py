@@ -23,10 +23,10 @@ from supple.cases import (
     stated_error,
 )
 from supple.cases.bodies import Body
+from supple.cases.body_kinds import place_exists
 from supple.cases.contacts import ContactTable, SupportTable, TieTable
 from supple.cases.control import control_file
 from supple.cases.elements import ElementTable, SpringTable
-from supple.cases.ends import place_exists
 from supple.cases.joints import JointTable
 from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load

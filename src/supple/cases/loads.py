@@ -9,8 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from supple.cases.body_kinds import at_elements
-from supple.cases.ends import NO_INTERFACES
+from supple.cases.body_kinds import NO_INTERFACES, at_elements
 from supple.cases.laws import ONE, LoadLaw
 from supple.cases.shared_rules import PlaceOf
 from supple.cases.table import Key, Made, OneOf, part, table_of
