@@ -70,12 +70,11 @@ def _print_lines(case: Case) -> None:
         body = table.line(case.folder, silent)
         held, lowest = body.stated_frequencies()
         listed = ", ".join(f"{factor * frequency:.4g}" for frequency in lowest)
-        line = (
+        say(
             f"body '{body.name}': condensed on {body.line.n} stations, mass {body.mass:.5g}; rigid-body "
             f"residual {body.line.rigid_force:.0e}; lowest frequencies {held} "
             f"{with_unit(listed, hertz)}"
         )
-        say(line)
 
 
 def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, UnitSystem]]:

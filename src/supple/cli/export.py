@@ -136,23 +136,17 @@ def _target(path: Path, output: Path | None, options: ExportOptions) -> _Target:
     fmu = ("linear", "fmi", "platforms", *machine)
     body, result = "export_superelement:export_superelement", "export_result:export_result"
     rows = (
-        (output is None, _Target("a machine as C", machine, "export_machine:export_c")),
-        (suffix == ".fmu", _Target("an FMU", fmu, "export_machine:export_fmu")),
-        (options.mode is not None, _Target("a mode", ("mode", "body", "time"), "export_result:export_mode")),
-        (
-            options.superelement,
-            _Target("a deck with a superelement", ("superelement", "body", "abaqus"), body),
-        ),
-        (suffix in SUPERELEMENT_SUFFIXES, _Target("a superelement", ("body",), body)),
-        (
-            is_case,
-            _Target("the deck of a case's body", ("body", "time", "abaqus"), "export_case:export_case"),
-        ),
-        (suffix == ".vtu", _Target("a .vtu, which contains one time", (*_PICTURE, "time"), result)),
-        (suffix in TABLE_SUFFIXES, _Target("a table of the whole machine", ("times", "case"), result)),
-        (True, _Target("a file for ParaView", (*_PICTURE, "times"), result)),
+        (output is None, "a machine as C", machine, "export_machine:export_c"),
+        (suffix == ".fmu", "an FMU", fmu, "export_machine:export_fmu"),
+        (options.mode is not None, "a mode", ("mode", "body", "time"), "export_result:export_mode"),
+        (options.superelement, "a deck with a superelement", ("superelement", "body", "abaqus"), body),
+        (suffix in SUPERELEMENT_SUFFIXES, "a superelement", ("body",), body),
+        (is_case, "the deck of a case's body", ("body", "time", "abaqus"), "export_case:export_case"),
+        (suffix == ".vtu", "a .vtu, which contains one time", (*_PICTURE, "time"), result),
+        (suffix in TABLE_SUFFIXES, "a table of the whole machine", ("times", "case"), result),
+        (True, "a file for ParaView", (*_PICTURE, "times"), result),
     )
-    return next(target for applies, target in rows if applies)
+    return next(_Target(words, own, writer) for applies, words, own, writer in rows if applies)
 
 
 _PICTURE = ("body", "stress", "case")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -68,12 +69,7 @@ def export_fmu(path: Path, target: Path, options: ExportOptions) -> None:
     if options.linear:
         _export_linear(path, target, options, fmi, platforms)
     else:
-        _export(
-            path,
-            target,
-            options,
-            lambda step, title: write_fmu(target, step, title, fmi=fmi, platforms=platforms),
-        )
+        _export(path, target, options, partial(write_fmu, target, fmi=fmi, platforms=platforms))
     say(f"written to {target}, FMI {fmi}")
 
 

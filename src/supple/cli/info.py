@@ -139,7 +139,5 @@ def _describe_case(path: Path) -> Iterator[Row]:
         turned = ", ".join(spin.bodies or ()) or "all bodies"
         yield "spin", f"{with_unit(f'{spin.rate:g}', unit)} about {list(spin.axis)}: {turned}"
     run = case.simulation
-    yield (
-        "simulation",
-        f"{with_unit(f'{run.duration:g}', time)}, stored every {with_unit(f'{run.output_step:g}', time)}",
-    )
+    duration, stored = (with_unit(f"{each:g}", time) for each in (run.duration, run.output_step))
+    yield "simulation", f"{duration}, stored every {stored}"

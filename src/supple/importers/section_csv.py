@@ -8,13 +8,12 @@ import numpy as np
 
 from supple.errors import ImportFormatError, ModelError
 from supple.importers.csv_table import read_csv_table
-from supple.importers.section_table import UPPER, SectionTable, check_sections, section_matrix
+from supple.importers.section_table import PAIRS, UPPER, SectionTable, check_sections, section_matrix
 
 __all__ = ["read_section_csv", "write_section_csv"]
 
 PLACE = ("x", "y", "z")
 AXIS = ("axis_x", "axis_y", "axis_z")
-PAIRS = [f"{i + 1}{j + 1}" for i, j in zip(*UPPER, strict=True)]
 DIAGONAL = [f"{of}{i}{i}" for of in "km" for i in range(1, 7)]
 
 

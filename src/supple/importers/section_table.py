@@ -32,6 +32,8 @@ LEAST_COSINE = 0.5
 
 UPPER = np.triu_indices(6)
 """Row and column of the 21 numbers of a symmetric matrix: the upper triangle, row by row."""
+PAIRS = [f"{i + 1}{j + 1}" for i, j in zip(*UPPER, strict=True)]
+"""The same as in the names of columns: 11, 12 .. 66."""
 
 
 @dataclass(frozen=True, eq=False)

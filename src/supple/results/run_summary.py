@@ -54,8 +54,8 @@ def summarize(
     return {
         "units": unit_names(units),
         "bodies": {
-            name: body_numbers(body, units, fulls.get(name), solution.bodies[name])
-            for name, body in ((placed.body.name, placed.body) for placed in system.bodies)
+            body.name: body_numbers(body, units, fulls.get(body.name), solution.bodies[body.name])
+            for body in (placed.body for placed in system.bodies)
         },
         **march_numbers(solution),
         "tracked": {name: _place_numbers(place, solution.times) for name, place in tracked.items()},
@@ -86,8 +86,7 @@ def stress_numbers(
         of stress are left out
     """
     found = {}
-    for placed in system.bodies:
-        body = placed.body
+    for body in (placed.body for placed in system.bodies):
         model = elements.get(body.name)
         if model is None or not has_stress(model):
             continue
@@ -186,16 +185,13 @@ def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem) -> dict[str, A
     lowest = _shown(body.modes.frequencies[:N_FREQUENCIES], units)
     root = next((name for name, station in body.stations.items() if station == 0), "root")
     held = root if free == 0 else f"{root}, with {free} free motions"
+    what, shown = ("frequencies in the frame", lowest) if free == 6 else ("frequencies held", {held: lowest})
     return {
         "mass": body.mass,
         "nodes": len(body.nodes),
         "stations": body.line.n,
         "coordinates": body.n_coordinates,
-        **(
-            {headed("frequencies in the frame", hertz): lowest}
-            if free == 6
-            else {headed("frequencies held", hertz): {held: lowest}}
-        ),
+        headed(what, hertz): shown,
         "orthonormality": {"velocities": first, "forces": second},
     }
 

@@ -53,10 +53,8 @@ def stress_table(numbers: Numbers) -> TextTable:
         ]
         for name, each in numbers.get("stress", {}).items()
     ]
-    heads = (
-        *("body", head(numbers, "largest von Mises stress", "stress"), "at node"),
-        *(head(numbers, "x, y, z of the undeformed node", "length"), head(numbers, "at time", "time")),
-    )
+    place, time = head(numbers, "x, y, z of the undeformed node", "length"), head(numbers, "at time", "time")
+    heads = ("body", head(numbers, "largest von Mises stress", "stress"), "at node", place, time)
     return TextTable("Stress", heads, rows)
 
 
@@ -80,10 +78,9 @@ def energy_table(numbers: Numbers) -> TextTable:
     ]
     balance = numbers["balance"]
     rows.append(["balance error", "", f"{balance['largest']:.2g}", "", f"{balance['relative']:.1e} relative"])
-    heads = (
-        *("energy", head(numbers, "at the start", "energy"), head(numbers, "largest", "energy")),
-        *(head(numbers, "time of largest", "time"), head(numbers, "at the end", "energy")),
-    )
+    start, largest = head(numbers, "at the start", "energy"), head(numbers, "largest", "energy")
+    time, last = head(numbers, "time of largest", "time"), head(numbers, "at the end", "energy")
+    heads = ("energy", start, largest, time, last)
     return TextTable("Energies", heads, rows)
 
 
@@ -174,10 +171,8 @@ def place_table(numbers: Numbers) -> TextTable:
         if place["elastic"]:
             when = np.where(largest, place["at time"], 0.0)
             rows += by_axis([name, place["seen from"]], largest, when, last)
-    heads = (
-        *("place", "seen from", "axis", head(numbers, "largest deflection", "length")),
-        *(head(numbers, "time of largest", "time"), head(numbers, "at the end", "length")),
-    )
+    time, last = head(numbers, "time of largest", "time"), head(numbers, "at the end", "length")
+    heads = ("place", "seen from", "axis", head(numbers, "largest deflection", "length"), time, last)
     return TextTable("Deflection", heads, rows)
 
 
@@ -220,14 +215,8 @@ def contact_table(numbers: Numbers) -> TextTable:
         when = contact["time of largest force"] if largest else 0.0
         words = _vector(without_noise(components, like=[largest]))
         rows.append([name.removeprefix("contact of "), _number(largest), _number(when), words])
-    heads = (
-        *(
-            "contact of",
-            head(numbers, "largest force on the nodes", "force"),
-            head(numbers, "at time", "time"),
-        ),
-        head(numbers, "x, y, z of that force", "force"),
-    )
+    largest, time = head(numbers, "largest force on the nodes", "force"), head(numbers, "at time", "time")
+    heads = ("contact of", largest, time, head(numbers, "x, y, z of that force", "force"))
     return TextTable("Contacts", heads, rows)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from supple.arrays import FloatArray
 from supple.errors import ImportFormatError
 from supple.importers.section_table import (
-    UPPER,
+    PAIRS,
     SectionTable,
     check_sections,
     fine_grid,
@@ -24,7 +24,6 @@ __all__ = ["read_windio_sections"]
 BLADE = ("components", "blade")
 FIRST = (*BLADE, "elastic_properties_mb", "six_x_six")
 SECOND = (*BLADE, "structure", "elastic_properties")
-PAIRS = [f"{i + 1}{j + 1}" for i, j in zip(*UPPER, strict=True)]
 STIFFNESS = ("grid", *(f"K{pair}" for pair in PAIRS))
 INERTIA = ("grid", "mass", "cm_x", "cm_y", "i_edge", "i_flap", "i_plr", "i_cp")
 
