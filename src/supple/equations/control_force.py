@@ -47,10 +47,10 @@ _ITERATIONS = 3
 def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Array]]:
     """Generalised forces on the bodies that controllers drive."""
     for number, law in enumerate(model.controllers):
-        zero = jnp.zeros((len(seen_ends(law)), N_LOCAL))
+        zero = jnp.zeros((len(law.seen_ends), N_LOCAL))
         local = local_forces(law, number, motion)(zero, zero)
-        for rows in by_body(driven_ends(law)).values():
-            places, carried = moved_with(driven_ends(law), rows)
+        for rows in by_body(law.driven_ends).values():
+            places, carried = moved_with(law.driven_ends, rows)
             yield places, (carried.T @ local[np.array(rows)].reshape(-1))[None]
 
 
@@ -59,7 +59,7 @@ def tangent(
 ) -> Iterator[MatrixBlock]:
     """Derivative of `force` with respect to the accelerations at the end of the step."""
     for number, law in enumerate(model.controllers):
-        ends, driven = seen_ends(law), driven_ends(law)
+        ends, driven = law.seen_ends, law.driven_ends
         zero = jnp.zeros((len(ends), N_LOCAL))
         by_place, by_rate = jax.jacfwd(local_forces(law, number, motion), argnums=(0, 1))(zero, zero)
         for rows in by_body(driven).values():
@@ -147,17 +147,6 @@ def _step(motion: SystemMotion) -> ControlStep:
     return motion.control
 
 
-def seen_ends(law: ControlLaw) -> list[Ends]:
-    """The ends of all readings of a controller, two each, then the ends of the elements that it drives."""
-    read = [end for each in law.readers for end in (each.first, each.second)]
-    return read + driven_ends(law)
-
-
-def driven_ends(law: ControlLaw) -> list[Ends]:
-    """Both ends of every element that a controller drives."""
-    return [end for each in law.actuators for end in (each.force.first, each.force.second)]
-
-
 def by_body(ends: list[Ends]) -> dict[int, list[int]]:
     """Numbers of the ends on each body, without the ground."""
     found: dict[int, list[int]] = {}
@@ -185,7 +174,7 @@ def moved_with(
 
 def _all_markers(law: ControlLaw, motion: SystemMotion) -> Marker:
     """All ends in their present state, stacked."""
-    every = [markers(end, motion.configuration, motion.velocity) for end in seen_ends(law)]
+    every = [markers(end, motion.configuration, motion.velocity) for end in law.seen_ends]
     return jax.tree.map(lambda *leaves: jnp.concatenate([jnp.asarray(leaf) for leaf in leaves]), *every)
 
 

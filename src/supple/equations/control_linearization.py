@@ -15,14 +15,12 @@ from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import SystemMotion
 from supple.equations.control_force import (
     by_body,
-    driven_ends,
     first_states,
     local_forces,
     moved_markers,
     moved_with,
     rates_of,
     readings_of,
-    seen_ends,
 )
 from supple.equations.machine_model import ControlLaw, Model
 from supple.equations.marker import N_LOCAL, pose
@@ -118,7 +116,7 @@ def _terms(model: Model, motion: SystemMotion) -> RestingControl:
         own = Places((first,), size)
         first += size
         states = _states(motion, number)[:size]
-        ends, driven = seen_ends(law), driven_ends(law)
+        ends, driven = law.seen_ends, law.driven_ends
         still = jnp.zeros((len(ends), N_LOCAL))
         rated = _local_rates(law, number, motion)
         rates.append(rated(still, still, states))
@@ -178,5 +176,5 @@ def _local_rates(
 
 def _forces_by_states(law: ControlLaw, number: int, motion: SystemMotion) -> Callable[[jax.Array], jax.Array]:
     """A function of the states: forces (a, 12) on the a driven ends."""
-    still = jnp.zeros((len(seen_ends(law)), N_LOCAL))
+    still = jnp.zeros((len(law.seen_ends), N_LOCAL))
     return lambda states: local_forces(law, number, _with_states(motion, number, states))(still, still)

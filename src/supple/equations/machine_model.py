@@ -183,11 +183,19 @@ class ControlLaw:
     """(k,) states at the start"""
 
     @property
+    def driven_ends(self) -> list[Ends]:
+        """Both ends of every element that the controller drives."""
+        return [end for each in self.actuators for end in (each.force.first, each.force.second)]
+
+    @property
+    def seen_ends(self) -> list[Ends]:
+        """The ends of all readings, two each, then those of the driven elements."""
+        return [end for each in self.readers for end in (each.first, each.second)] + self.driven_ends
+
+    @property
     def bodies(self) -> tuple[int, ...]:
         """Numbers of the bodies with a reading or a driven element, without the ground."""
-        ends = [end for reader in self.readers for end in (reader.first, reader.second)]
-        ends += [end for each in self.actuators for end in (each.force.first, each.force.second)]
-        return tuple(sorted({end.bodies[0] for end in ends if not end.on_ground}))
+        return tuple(sorted({end.bodies[0] for end in self.seen_ends if not end.on_ground}))
 
 
 @jax.tree_util.register_dataclass
