@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from supple.equations.build_model import row_scales, system_length
 from supple.equations.configuration import Configuration
 from supple.equations.start_velocity import given_parts, has_motion
-from supple.machine import System
+from supple.machine import Placed, System
 
 OPEN = 1e-6
 """Largest residual of a closed joint, relative to the machine's size or in rad; placements with six digits
@@ -44,6 +44,12 @@ class PositionCorrection:
     body: str
     distance: float
     angle: float
+
+    @classmethod
+    def of(cls, placed: Placed, position: np.ndarray, rotation: np.ndarray) -> PositionCorrection:
+        """The motion of a body to another position and rotation."""
+        angle = Rotation.from_matrix(placed.rotation.T @ rotation).magnitude()
+        return cls(placed.body.name, float(np.linalg.norm(position - placed.position)), float(angle))
 
 
 @dataclass(frozen=True)
@@ -195,18 +201,8 @@ def _open(system: System, gaps: np.ndarray, which: np.ndarray) -> tuple[Constrai
 
 def _moved(system: System, closed: Configuration) -> tuple[PositionCorrection, ...]:
     """Bodies moved by a tenth of the largest motion or more; angles are multiplied by the machine's size."""
-    distances = np.linalg.norm(
-        np.asarray(closed.origins) - [placed.position for placed in system.bodies], axis=1
-    )
-    turns = [
-        placed.rotation.T @ rotation
-        for placed, rotation in zip(system.bodies, np.asarray(closed.rotations), strict=True)
-    ]
-    angles = Rotation.from_matrix(np.array(turns)).magnitude()
-    motions = distances + system_length(system) * angles
-    far = motions >= NAMED * motions.max()
-    return tuple(
-        PositionCorrection(placed.body.name, float(distances[i]), float(angles[i]))
-        for i, placed in enumerate(system.bodies)
-        if far[i]
-    )
+    poses = np.asarray(closed.origins), np.asarray(closed.rotations)
+    every = [PositionCorrection.of(*each) for each in zip(system.bodies, *poses, strict=True)]
+    length = system_length(system)
+    motions = np.array([each.distance + length * each.angle for each in every])
+    return tuple(every[i] for i in np.flatnonzero(motions >= NAMED * motions.max()))

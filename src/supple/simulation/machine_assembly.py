@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-from scipy.spatial.transform import Rotation
-
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.equations.build_model import build_model
@@ -57,7 +54,5 @@ def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
     bodies, moved = [], []
     for placed, position, rotation in zip(system.bodies, found.origins, found.rotations, strict=True):
         bodies.append(placed.moved_to(position, rotation))
-        angle = Rotation.from_matrix(placed.rotation.T @ bodies[-1].rotation).magnitude()
-        distance = float(np.linalg.norm(position - placed.position))
-        moved.append(PositionCorrection(placed.body.name, distance, float(angle)))
+        moved.append(PositionCorrection.of(placed, position, bodies[-1].rotation))
     return AssembledMachine(replace(system, bodies=tuple(bodies)), tuple(moved))
