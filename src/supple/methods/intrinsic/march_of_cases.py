@@ -61,7 +61,11 @@ def _together(
     """Runge-Kutta integration with cases on the last axis; all share the lines and the initial time."""
     lines = jax.tree.unflatten(structure, leaves).lines
     of_roots = jax.vmap(partial(_roots, structure), in_axes=(list(axes), None, -1), out_axes=-1)
-    of_loads = jax.vmap(partial(_wrenches, structure), in_axes=(list(axes), None, -1), out_axes=-1)
+    of_loads = jax.vmap(
+        lambda own, *at: wrenches_on(jax.tree.unflatten(structure, own).loads, *at),
+        in_axes=(list(axes), -1, None),
+        out_axes=-1,
+    )
 
     def rates(time: AnyArray, states: States) -> States:
         roots = of_roots(leaves, time, states)
@@ -71,7 +75,7 @@ def _together(
             )
             for model, state, root in zip(lines, states, roots, strict=True)
         ]
-        wrenches = of_loads(leaves, time, motions)
+        wrenches = of_loads(leaves, motions, time)
         each = zip(lines, states, roots, wrenches, strict=True)
         return tuple(
             LineState(*line_rates(model, state.q1, state.q2, wrench, root.twist), *root.turning)
@@ -117,10 +121,3 @@ def _roots(structure: PyTreeDef, leaves: list[AnyArray], time: AnyArray, states:
         )
         for model, drive, state in zip(system.lines, system.drives, states, strict=True)
     ]
-
-
-def _wrenches(
-    structure: PyTreeDef, leaves: list[AnyArray], time: AnyArray, motions: list[MovingStations]
-) -> list[jax.Array | None]:
-    """Wrenches on the stations of one case."""
-    return wrenches_on(jax.tree.unflatten(structure, leaves).loads, motions, time)
