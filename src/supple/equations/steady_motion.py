@@ -15,7 +15,7 @@ The last bracket is also the derivative of the unbalanced force of a steady stat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Self
 
@@ -200,8 +200,13 @@ _tangent = CachedProgram(_tangent_of_step, STARTING)
 
 def in_turning_axes(model: Model, configuration: Configuration) -> np.ndarray:
     """Matrix (n, n) from small motions in the bodies' axes to increments of the configuration."""
-    axes = np.eye(model.n_velocities)
-    for start, rotation in zip(model.frames.starts, np.asarray(configuration.rotations), strict=True):
+    return frame_axes(model.n_velocities, model.frames.starts, np.asarray(configuration.rotations))
+
+
+def frame_axes(n: int, starts: Iterable[int], rotations: np.ndarray) -> np.ndarray:
+    """Matrix (n, n) that rotates the translational velocities of frames, from `starts` on, to global axes."""
+    axes = np.eye(n)
+    for start, rotation in zip(starts, rotations, strict=True):
         axes[start : start + 3, start : start + 3] = rotation
     return axes
 

@@ -15,9 +15,9 @@ from supple.equations.build_model import system_length
 from supple.equations.configuration import Configuration
 from supple.equations.control_linearization import LinearControl
 from supple.equations.coordinate_scales import kinds_of_rows, known_position_scale
-from supple.equations.machine_model import Model
+from supple.equations.machine_model import Model, adjacent_slices
 from supple.equations.static_search import ROUND_OFF, EquilibriumResidual, StaticState, StaticStep
-from supple.equations.steady_motion import LinearEquations, SteadyEquations, SteadyRotation
+from supple.equations.steady_motion import LinearEquations, SteadyEquations, SteadyRotation, frame_axes
 from supple.errors import AccuracyError, ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import Placed, System
@@ -67,8 +67,7 @@ class LineStatics(SteadyEquations):
     @property
     def slices(self) -> tuple[slice, ...]:
         """Slice of each body's motions."""
-        sizes = [6 + placed.body.n_coordinates for placed in self.machine.system.bodies]
-        return tuple(slice(end - size, end) for end, size in zip(np.cumsum(sizes), sizes, strict=True))
+        return adjacent_slices([6 + placed.body.n_coordinates for placed in self.machine.system.bodies])
 
     is_discrete: ClassVar[bool] = True
     """True: forces refer to time derivatives of positions, inertia to velocities of the modes."""
@@ -136,10 +135,8 @@ class LineStatics(SteadyEquations):
         The constraint equations include the motions that the support of a root fixes.
         """
         linear, arrays = self._small_motions(state), self.machine.arrays
-        axes = np.eye(arrays.n_floating)
         rotations = np.asarray(state.configuration.floating.rotations)[: arrays.n_bodies]
-        for own, rotation in zip(arrays.model.slices[: arrays.n_bodies], rotations, strict=True):
-            axes[own.start : own.start + 3, own.start : own.start + 3] = rotation
+        axes = frame_axes(arrays.n_floating, arrays.model.frames.starts[: arrays.n_bodies], rotations)
         parts = [
             body_of(placed).freedoms(np.asarray(own.q2))
             for placed, own in zip(self.machine.lines, state.configuration.lines, strict=True)

@@ -16,7 +16,7 @@ from scipy.sparse import block_diag, csr_array, eye_array, hstack, vstack
 from supple.algebra.cross import cross_matrix
 from supple.equations.control_linearization import LinearControl
 from supple.equations.station_body import StationBody
-from supple.equations.steady_motion import SteadyRotation, linear_equations
+from supple.equations.steady_motion import SteadyRotation, frame_axes, linear_equations
 from supple.methods.floating.full.full_state import Evaluation, LineEvaluation
 from supple.methods.floating.full.full_system import FullSystem
 
@@ -97,20 +97,9 @@ def _turning_parts(parts: tuple[csr_array, ...], angular_velocity: np.ndarray) -
 
 def _line_parts(body: StationBody, line: LineEvaluation) -> tuple[csr_array, ...]:
     """`M`, `C` and `K` of a body with stations."""
-    axes = _along_axes(line.state.rotation[None], len(line.residual))
+    axes = frame_axes(len(line.residual), [0], line.state.rotation[None])
     own = (csr_array(axes.T @ part @ axes) for part in body.tangent(line.state, line.station_forces))
     return _turning_parts(tuple(own), line.state.velocity[3:6])
-
-
-def _along_axes(rotations: np.ndarray, n: int) -> np.ndarray:
-    """Matrix (n, n) that rotates the translational velocity of each frame to global axes.
-
-    Each frame has six velocities, translation first. The other velocities are unchanged.
-    """
-    axes = np.eye(n)
-    for number, rotation in enumerate(rotations):
-        axes[6 * number : 6 * number + 3, 6 * number : 6 * number + 3] = rotation
-    return axes
 
 
 def _border_turning(machine: FullSystem, turning: SteadyRotation) -> SteadyRotation:
@@ -131,9 +120,9 @@ def to_border(machine: FullSystem, terms: Evaluation) -> csr_array:
     for body, line in zip(machine.lines, terms.lines, strict=True):
         rotations, size = line.stations.rotations, len(line.residual)
         parts[body.index] = csr_array(
-            _along_axes(rotations, 6 * len(rotations)).T
+            frame_axes(6 * len(rotations), range(0, 6 * len(rotations), 6), rotations).T
             @ line.stations.motion
-            @ _along_axes(line.state.rotation[None], size)
+            @ frame_axes(size, [0], line.state.rotation[None])
         )
     blocks = [
         csr_array(parts.get(index, eye_array(part.stop - part.start)))
