@@ -11,7 +11,7 @@ then functions of the time and of the readings y_1 alone. The tangent includes t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, TypeVar
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -29,7 +29,7 @@ from supple.equations.marker import (
     pose,
     with_rates,
 )
-from supple.equations.places import MatrixBlock, Places
+from supple.equations.places import MatrixBlock, Places, member
 from supple.errors import ModelError
 from supple.integrate import StepFactors
 from supple.machine.forces.relative_motion import AxialMotion, axial_motion, wrapped
@@ -38,7 +38,6 @@ from supple.machine.pose import Pose, Wrench
 Readings = dict[str, Pose | AxialMotion]
 """Readings of a controller by name: of an end, or of a joint."""
 
-T = TypeVar("T")
 
 _ITERATIONS = 3
 """Newton iterations for the states of one step; a single one is exact if the rates are linear in them."""
@@ -193,16 +192,12 @@ def _poses(law: ControlLaw, motion: SystemMotion) -> Pose:
     return jax.vmap(pose)(_all_markers(law, motion))
 
 
-def _one(stacked: T, number: int) -> T:
-    return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], stacked)
-
-
 def readings_of(law: ControlLaw, states: AnyArray, seen: Pose) -> Readings:
     """Readings by name; joint angles include the revolutions counted in the states."""
     found: Readings = {}
     counted = len(law.initial)
     for number, reader in enumerate(law.readers):
-        first, second = _one(seen, 2 * number), _one(seen, 2 * number + 1)
+        first, second = member(seen, 2 * number), member(seen, 2 * number + 1)
         if not reader.of_joint:
             found[reader.name] = first
             continue
@@ -309,8 +304,8 @@ def local_forces(
         given = _outputs(law, number, motion, readings)
         loads: list[Wrench] = []
         for place, each in enumerate(law.actuators):
-            own, parameters = _one((each.force.law, each.force.parameters), 0)
-            ends = _one(poses, n_read + 2 * place), _one(poses, n_read + 2 * place + 1)
+            own, parameters = member((each.force.law, each.force.parameters), 0)
+            ends = member(poses, n_read + 2 * place), member(poses, n_read + 2 * place + 1)
             assert own is not None
             loads += each.force.wrenches(*ends, own(motion.time) + _added(law, each, given), parameters)
         every = jax.tree.map(lambda *leaves: jnp.stack(leaves), *loads)

@@ -80,6 +80,11 @@ def over(function: Callable[..., R], *arguments: Any) -> R:
     return jax.vmap(of_leaves, in_axes=([None if once else 0 for once in shared],))(own)
 
 
+def member(stacked: R, number: int = 0) -> R:
+    """One member of a group: the arrays without their leading axis."""
+    return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], stacked)
+
+
 def assembled_vector(n: int, parts: Iterable[tuple[Places, AnyArray]]) -> jax.Array:
     """The vector (n,) from contributions (k, size) at places, which may overlap."""
     parts = [(places, values) for places, values in parts if places.size]

@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.arrays import AnyArray, Tree
+from supple.arrays import AnyArray
 from supple.equations.build_model import force_group_of, readers_of
 from supple.equations.configuration import SystemMotion
 from supple.equations.ends import markers
@@ -19,6 +19,7 @@ from supple.equations.joint_force import all_multipliers
 from supple.equations.joint_linearization import affine_form, axial
 from supple.equations.machine_model import STATIC, Ends, ForceGroup, Model
 from supple.equations.marker import pose
+from supple.equations.places import member
 from supple.machine import GROUND, EndReading, ForceElement, JointFriction, JointReading, System
 from supple.machine.forces.relative_motion import axial_motion, wrapped
 from supple.machine.pose import Pose
@@ -217,7 +218,7 @@ def _joint_wrench(system: System, name: str) -> Reads:
         value = None
         if group.law is not None:
             number = group.rows.starts.index(rows.start)
-            value = jnp.asarray(_first_of(group.law, number)(motion.time))
+            value = jnp.asarray(member(group.law, number)(motion.time))
         coefficients = jnp.asarray(affine_form(type(joint).constraint, value)[0])
         weights = all_multipliers(model, jnp.asarray(motion.multipliers))[rows] @ coefficients
         turn = _pose_of(reader.first, motion).axes.T @ _pose_of(reader.second, motion).axes
@@ -256,10 +257,10 @@ def _element(seen: SensedMachine, sensor: SpringForceSensor | ElementEnergySenso
 
     def read(group: ForceGroup, model: Model, motion: SystemMotion, *_: AnyArray) -> AnyArray:
         first, second = _pose_of(group.first, motion), _pose_of(group.second, motion)
-        parameters = _first_of(group.parameters)
+        parameters = member(group.parameters)
         value: AnyArray = None if carried is None else carried(model, motion, *_)[:2]
         if group.law is not None:
-            value = jnp.asarray(_first_of(group.law)(motion.time))
+            value = jnp.asarray(member(group.law)(motion.time))
         loads = kind.wrenches(first, second, value, parameters)
         if not energy:
             return jnp.concatenate(loads[0 if kind.acts_on_first_alone else 1])
@@ -301,7 +302,7 @@ class Contacts:
         flags = []
         for kind, group in zip(self.kinds, self.groups, strict=True):
             ends = _pose_of(group.first, motion), _pose_of(group.second, motion)
-            flags.append(kind.energy(*ends, no_law, _first_of(group.parameters)) > 0)
+            flags.append(kind.energy(*ends, no_law, member(group.parameters)) > 0)
         return jnp.stack(flags) if flags else jnp.zeros(0, dtype=bool)
 
 
@@ -312,11 +313,6 @@ def contacts_of(system: System) -> Contacts:
     return Contacts(tuple(type(each) for each in elements), groups)
 
 
-def _first_of(arrays: Tree, number: int = 0) -> Tree:
-    """The arrays of element `number` of a group."""
-    return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], arrays)
-
-
 def _pose_of(ends: Ends, motion: SystemMotion) -> Pose:
     """Position, axes and velocities of the first of some ends."""
-    return pose(_first_of(markers(ends, motion.configuration, motion.velocity)))
+    return pose(member(markers(ends, motion.configuration, motion.velocity)))
