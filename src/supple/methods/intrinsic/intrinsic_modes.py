@@ -202,8 +202,11 @@ def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[FloatArray
     e = np.linalg.matrix_rank(F) - k
     y = y[:, ::-1][:, :e]
     values = values[::-1][:e]
-    Phi = flexible @ y / values
-    Phi = _mass_orthonormal(np.hstack([R, Phi]), M)[:, k:]
+    columns = np.hstack([R, flexible @ y / values])
+    for _ in range(3):  # mass-orthonormal in their order, by Cholesky QR, repeated for round-off
+        L = np.linalg.cholesky(columns.T @ M @ columns)
+        columns = np.asarray(linalg.solve_triangular(L, columns.T, lower=True)).T
+    Phi = columns[:, k:]
     omega = np.sqrt(np.einsum("ij,ij->j", Phi, K @ Phi))
     order = np.argsort(omega, kind="stable")
     Phi, omega = Phi[:, order], omega[order]
@@ -218,14 +221,6 @@ def _mass_factor(mass: FloatArray, length: float) -> FloatArray:
     values, vectors = np.linalg.eigh(mass * np.outer(scale, scale))
     kept = values > MASSLESS * values.max(initial=0.0)
     return (vectors[:, kept] * np.sqrt(values[kept])) / scale[:, None]
-
-
-def _mass_orthonormal(columns: FloatArray, M: FloatArray) -> FloatArray:
-    """Columns made mass-orthonormal in their order, by Cholesky QR, repeated for round-off."""
-    for _ in range(3):
-        L = np.linalg.cholesky(columns.T @ M @ columns)
-        columns = np.asarray(linalg.solve_triangular(L, columns.T, lower=True)).T
-    return columns
 
 
 def _section_modes(

@@ -97,10 +97,10 @@ class FullEngine:
         machine = self._every
         instant = last_instant(machine.system, last)
         if "active" in known:
-            self._machine = machine = machine.restricted(tuple(int(index) for index in known["active"]))
+            machine = machine.restricted(tuple(int(index) for index in known["active"]))
         else:
-            self._machine, *_ = consistent_start(machine, self._run.start)
-            machine = self._machine
+            machine = consistent_start(machine, self._run.start).machine
+        self._machine = machine
         fresh = machine.state_at(instant.time, instant.configuration, instant.velocity)
         control = resumed_control(machine.system, known)
         state = fresh._replace(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
 
 import jax
 import numpy as np
 
+from supple.arrays import Tree
 from supple.equations.configuration import SystemMotion
 from supple.equations.control_series import control_series
 from supple.equations.floating_solution import StationMotions, floating_solution
@@ -25,7 +25,7 @@ def full_solution(
 ) -> Solution:
     """The motion through some states, with the forces of the joints."""
 
-    def over_time(name: str) -> Any:
+    def over_time(name: str) -> Tree:
         return jax.tree.map(lambda *own: np.array(own), *(getattr(state, name) for state in states))
 
     items = "time", "configuration", "velocity", "acceleration", "multipliers"
