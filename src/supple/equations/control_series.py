@@ -54,7 +54,7 @@ def added_to_law(system: System, solution: Solution, element: ForceElement) -> F
                 if name not in solution.series:
                     raise ModelError(
                         f"{element.label} is driven by controller '{own.name}', whose outputs this solution "
-                        "lacks: runs store them, except explicit ones"
+                        "lacks: simulate the machine"
                     )
                 return solution.series[name][:, first:after].reshape(-1, *each.value_shape)
             first = after

@@ -26,7 +26,7 @@ class ControlSensor:
     is that of `SpringForceSensor`.
 
     controller : name of the controller
-    Raises ModelError for an unknown controller, and for an explicit run, which does not store the outputs.
+    Raises ModelError for an unknown controller, and for a solution without its outputs, as at rest.
     """
 
     name: str

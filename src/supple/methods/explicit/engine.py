@@ -10,6 +10,7 @@ import numpy as np
 
 from supple.algebra.jax_settings import before_compiled_code
 from supple.equations.checks.start_report import report_start
+from supple.equations.control_series import series_name
 from supple.equations.floating_solution import joint_multipliers
 from supple.equations.joint_wrench import joint_wrenches
 from supple.equations.sampling import march_sampled, sampling_of
@@ -133,7 +134,7 @@ class ExplicitEngine:
         return Leg(joined, len(joined.time), last, statistics, stopped)
 
     def solution(self, leg: Leg[MarchState]) -> Solution:
-        """The motion of each part, and the series of energies, steps, obstacles and contacts."""
+        """The motion of each part, and the series of energies, steps, obstacles, contacts and controllers."""
         rows: Recorded = leg.states
         prepared = self._built
         bodies: dict[str, Motion] = {}
@@ -150,6 +151,10 @@ class ExplicitEngine:
             series[OBSTACLES] = np.concatenate([part for pair in rows.obstacles for part in pair], axis=1)
         if self._system.contacts:
             series[CONTACTS] = np.asarray(rows.contacts).reshape(len(rows.time), -1)
+        if rows.controls:
+            assert prepared.model.machine is not None
+            names = [series_name(law.name) for law in prepared.model.machine.controllers]
+            series |= dict(zip(names, map(np.asarray, rows.controls), strict=True))
         leaves = jax.tree.leaves(leg.last)
         kept = {f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)}
         times, forces, multipliers = np.asarray(rows.time), {}, {}

@@ -9,8 +9,10 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from supple.equations.compiler_options import STARTING
+from supple.equations.control_force import outputs
 from supple.methods.explicit.elements import with_contact
 from supple.methods.explicit.march.contact_forces import march_contact_forces
+from supple.methods.explicit.march.frame_forces import frame_states
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.march_model import MarchModel, MarchState, Methods
 from supple.methods.explicit.march.march_step import kinetic, march_step
@@ -34,7 +36,7 @@ class Recorded(NamedTuple):
     """Results recorded at an output time.
 
     frames : points and modes of each, their rates and accelerations;   pulls : (m,) multipliers of joints
-    contacts : (c, 6) see `march_contact_forces`
+    contacts : (c, 6) see `march_contact_forces`;   controls : outputs of each controller
     trouble : 0, or 1 an element inverted, 2 not finite, 3 the energy drifts, 4 a negative energy, 5 the
         interface energy drifts
     """
@@ -49,6 +51,7 @@ class Recorded(NamedTuple):
     pulls: Array
     obstacles: tuple[tuple[Array, Array], ...]
     contacts: Array
+    controls: tuple[Array, ...]
     energies: Array
     time: Array
     steps: Array
@@ -235,7 +238,7 @@ def _recorded(
     ]
     acceleration = model.movable * state.forces.sum(axis=0) / jnp.where(model.mass > 0, model.mass, 1.0)
     acceleration = acceleration - model.alpha * state.v
-    frames, pulls = [], jnp.zeros(0)
+    frames, centred, pulls = [], [], jnp.zeros(0)
     if model.frames:
         long = jnp.where(state.frame_before > 0, state.frame_before, first)
         mean = 0.5 * (state.frame_before + long)
@@ -247,10 +250,15 @@ def _recorded(
             change = new.vp - at.vp, new.vy - at.vy
             rates = tuple(own + share * by for own, by in zip((at.vp, at.vy), change, strict=True))
             frames.append((at.p, at.y, *rates, *(by / mean for by in change)))
+            centred.append(at._replace(vp=rates[0], vy=rates[1]))
             tied_rates = (tied_positions(arrays, new) - state.x[:, arrays.nodes]) / long
             acceleration = acceleration.at[:, arrays.nodes].set(
                 (tied_rates - state.v[:, arrays.nodes]) / mean
             )
+    controls: tuple[Array, ...] = ()
+    if model.machine is not None and state.control is not None:
+        now = frame_states(model.machine, model.frames, tuple(centred), state.time, state.control)
+        controls = outputs(model.machine, now)
     return Recorded(
         state.x,
         state.v,
@@ -262,6 +270,7 @@ def _recorded(
         pulls,
         tuple((at.offset, at.velocity) for at in state.obstacles),
         march_contact_forces(model, state),
+        controls,
         jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),
         state.time,
         state.steps,
