@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from supple.body import FullBody, NodalFixedFrame, RayleighDamping, RigidBody, RigidInterface, flexible_body
+from supple.error import ErrorStudy, state_errors
 from supple.error.integration_error import (
     floor_of,
     integration_errors,
@@ -118,6 +119,23 @@ def test_of_a_rigid_pendulum():
     told = integration_errors(system, run, solution, [WholeBody("rod")])["rod"]
     true = truth(system, run, solution, WholeBody("rod"), with_shorter_steps(run, 1 / 16))
     assert 0.7 < told.step.value / true < 1.4
+
+
+def test_of_rigid_bodies_alone():
+    """Without a quantity no further run is made; a place is measured by its own travel, x = F t^2 / 2 m."""
+    block = RigidBody("block", 2.0, [0, 0, 0], np.eye(3), {"end": [0, 0, 0]})
+    ends = {"first": GROUND, "second": At("block", "end"), "axis": (1, 0, 0)}
+    system = System(
+        (Placed(block),), (Prismatic(name="guide", **ends),), loads=(ForceBetween(force=3.0, **ends),)
+    )
+    run = Run(1.0, 0.1, step=FixedStep(0.1))
+    solution = simulate(system, run)
+    steps: list[str] = []
+    assert not state_errors(system, run, solution, progress=lambda step, _: steps.append(step)).errors
+    assert not steps
+    study = ErrorStudy(quantities=(PositionSensor("block.end", "block.end"),))
+    told = state_errors(system, run, solution, study).errors["block.end"]
+    assert told.size == pytest.approx(0.75, rel=1e-9)
 
 
 @pytest.mark.filterwarnings("ignore::supple.errors.ResolutionWarning")  # it is what this is about

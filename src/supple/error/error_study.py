@@ -65,7 +65,8 @@ def state_errors(
     """Estimate the error of a finished run: the solution with `solution.errors` and `motion.error` of bodies.
 
     The error has four parts: basis, time step, Newton tolerance and model. `ErrorStudy` describes how each is
-    estimated. The solution of a kinematic run is returned unchanged.
+    estimated. The solution of a kinematic run is returned unchanged, and that of a machine of rigid bodies
+    without quantities in the study.
 
     Parameters
     ----------
@@ -93,6 +94,8 @@ def state_errors(
     # In a machine with an intrinsic body the error equation of floating bodies is not available.
     known = {} if system.bodies_of(IntrinsicBody) else _of_machine(system, fulls)
     quantities = quantities_of_interest(system, study)
+    if not quantities:  # rigid bodies alone: the further runs would have nothing to compare
+        return solution
     bases = stored_bases(system, known)
     of_basis: Mapping[str, ErrorPart] = {}
     if study.basis and bases and solution.stopped is None:

@@ -76,14 +76,18 @@ class PositionSensor(_AtPlace):
     def size(self, system: System, solution: Solution) -> float:
         """Largest displacement from the first interface, of the nodes; for an interface, of all nodes.
 
-        For a rigid body: the largest displacement of the nodes of all elastic bodies.
+        For a rigid body: the largest displacement of the nodes of all elastic bodies; in a machine without
+        elastic bodies, that of the place since the start.
         """
         form, nodes = body_named(system, self.body, self.name), self.place.at
         if not form.n_coordinates:
             elastic = [each.body for each in system.bodies if each.body.n_coordinates and each.body.has_frame]
             moved = [solution.motion(each.name, FramedMotion).coordinates for each in elastic]
             sizes = [largest_displacement(*each) for each in zip(elastic, moved, strict=True)]
-            return max(sizes, default=0.0)
+            if sizes:
+                return max(sizes)
+            places = self.values(system, solution)
+            return float(np.linalg.norm(places - places[0], axis=1).max())
         some = slice(None) if isinstance(nodes, str) else np.array(nodes)
         return largest_displacement(form, solution.motion(self.body, FramedMotion).coordinates, some)
 
