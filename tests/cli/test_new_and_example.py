@@ -242,6 +242,17 @@ def test_a_deck_brings_its_properties_and_a_body_without_sets_is_free(tmp_path):
     assert '# nodes = "SET"' in (tmp_path / "plate.toml").read_text()
 
 
+def test_a_deck_of_masses_and_springs_is_a_body(tmp_path):
+    masses = "".join(f"GRID,{n},,{n}.,0.,0.\nCONM2,1{n},{n},,20.,,,,,+\n+,2.,,2.,,,2.\n" for n in (1, 2, 3))
+    springs = "PBUSH,7,K,2.E6,3.E6,4.E6,5.E5,5.E5,5.E5\nCBUSH,21,7,1,2,,,,0\nCBUSH,22,7,2,3,,,,0\n"
+    (tmp_path / "lump.bdf").write_text(masses + springs + "SPC1,1,123456,1\n")
+    cases.write_new_case(tmp_path / "lump.bdf", tmp_path / "lump.toml")
+    body = read_case(tmp_path / "lump.toml").flexible["lump"]
+    assert np.trace(body.rigid_modes[:, :3].T @ body.mass @ body.rigid_modes[:, :3]) == pytest.approx(
+        3 * 60.0
+    )
+
+
 @pytest.mark.parametrize(
     ("material", "length", "gravity", "second"),
     [

@@ -123,7 +123,7 @@ def _read(file: Path) -> _Model:
         return _Model((length, 0.0, 0.0), (), None, None, ("root", "tip"), OF_A_TABLE, "section_table")
     if file.suffix.lower() in DECK_SUFFIXES:
         deck = read_deck(file)
-        if deck.properties:
+        if deck.properties or (deck.masses and not deck.elements):
             kind = "abaqus" if file.suffix.lower() == ".inp" else "nastran"
             return replace(_model(deck.nodes, deck.node_sets, kind), units=_units_of(deck))
     mesh = read_mesh(file)
