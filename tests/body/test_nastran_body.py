@@ -10,6 +10,8 @@ from supple.body import (
     AveragingInterface,
     NodalFixedFrame,
     RigidInterface,
+    Verdict,
+    check_elements,
     connection_named,
     deck_body,
     deck_connections,
@@ -140,6 +142,45 @@ def test_a_frame_of_beams_has_the_stiffness_of_its_members(write, bulk):
     for axis, moment, factor in ((2, 2e-5, 0.5), (0, 1e-5, 0.8)):
         expected = 8 / (3 * 2.1e11 * moment) + 2 / (factor * G * 0.01)
         assert flexibility[axis, axis] == pytest.approx(expected, rel=1e-9)
+
+
+MOUNTS = """\
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,1.,0.,0.
+GRID,4,,-1.,0.,0.
+GRID,5,,-1.,0.,0.
+CONM2,10,1,,20.,,,,,+
++,2.,,2.,,,2.
+PBUSH,7,K,2.E4,3.E4,4.E4,50.,50.,50.
+CBUSH,21,7,2,3,,,,0
+CBUSH,22,7,4,5,,,,0
+"""
+
+
+def test_a_mass_on_mounts_has_no_waves_and_is_a_rigid_body(write):
+    """Grids 3 and 5 of the mounts have no mass: in free motion nothing is strained."""
+    path = write(MOUNTS + "RBE2,31,1,123456,2,4\n")
+    check = check_elements(model_of(path))
+    found = {each.what: each for each in check.findings}
+    assert found["units"].verdict is Verdict.OK
+    assert "elements of the machine" in found["lowest modes"].remedy
+    with pytest.raises(ModelError, match="no motion strains it: use a rigid body"):
+        body_of("engine", path)
+    path = write(MOUNTS + "CONM2,11,3,,5.,,,,,+\n+,.1,,.1,,,.1\nRBE2,31,1,123456,2,4\n")
+    found = check_elements(model_of(path))
+    assert found.is_accepted
+    along = 2e4 / (20.0 * 5.0 / 25.0)  # both masses on the spring along x
+    squares = (2 * np.pi * np.array(found.frequencies)) ** 2
+    assert min(abs(squares - along)) < 1e-6 * along
+
+
+def test_a_rigid_interface_at_a_node_without_mass_names_the_node(write):
+    text = MOUNTS + "MAT1,1,2.1E11,,.3,7850.\nPBAR,1,1,1.E-3,1.E-6,1.E-6,2.E-6\n"
+    path = write(text + "CBAR,1,1,1,2,0.,0.,1.\nCBAR,2,1,1,4,0.,0.,1.\n")
+    (part,) = deck_parts(read_deck(path)).values()
+    with pytest.raises(ModelError, match=r"node 3 ux has the mass .*an interface beyond it"):
+        deck_body("engine", part, [RigidInterface("mount", [2])])
 
 
 def test_an_unknown_connection_lists_those_there_are(write, bulk):

@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 from supple.algebra import factorize_symmetric
 from supple.algebra.narrow_indices import narrow_indices
 from supple.arrays import FloatArray, IntArray
-from supple.body.checks import FREEDOM_NAMES
+from supple.body.checks import FREEDOM_NAMES, freedom_label
 from supple.body.constraints import eliminate, together
 from supple.body.massless_motion import StaticallyTied, massless_motions, tie_statically
 from supple.body.rigid_motion import nodal_rigid_modes
@@ -31,10 +31,18 @@ from supple.summary import place_text
 
 # A stiffness in a triple of freedoms counts as zero up to this fraction of the largest one in the triple.
 _NO_STIFFNESS = 1e-10
+# The terms of a stiffness cancel if their sum is up to this fraction of them.
+_ROUND_OFF = 1e-12
 # Largest number of entries of a dense static condensation (160 MB); a larger one raises ModelError.
 _LARGEST_TIE = 2e7
 # Largest number of freedoms without mass whose softest motion is computed, to name one of them in a message.
 _MOST_DENSE = 2000
+
+AS_RIGID_BODY = (
+    "use a rigid body with its mass, centre and inertia; springs and bushings to nodes without mass are "
+    "elements of the machine"
+)
+"""Remedy for a body that no motion strains."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +94,14 @@ class Coordinates:
             return None
         rows = self._rows
         return sparse.csr_array(rows[: rows.indptr.size - 1 - self.n_modal])
+
+    def is_rigid(self, stiffness: sparse.csc_array) -> bool:
+        """Whether no coordinate strains the body: the terms of its stiffness, nodal matrix, all cancel.
+
+        Example: a mass on springs whose other ends have no mass.
+        """
+        terms = abs(self.expansion).power(2).T @ np.abs(stiffness.diagonal())
+        return bool((np.abs(self.stiffness.diagonal()) <= _ROUND_OFF * terms).all())
 
     @property
     def _rows(self) -> sparse.csr_array:
@@ -181,6 +197,7 @@ def coordinates(
     n_modal: int = 0,
     tolerance: float,
     held: bool = False,
+    node_ids: IntArray | None = None,
 ) -> Coordinates:
     """The coordinates that remain after ties, constraints, fixed rotations and static condensation.
 
@@ -188,6 +205,7 @@ def coordinates(
     n_modal : number of modal coordinates, the last rows of the matrices; zero in rigid motions
     tolerance : eigenvalues of the mass matrix, scaled to a unit diagonal, count as zero up to this value
     held : whether constraints may resist rigid motion; displacements without stiffness are then fixed as well
+    node_ids : (N,) labels of the nodes in messages; by default numbers from 0
     Raises ModelError for constraints that resist rigid motion, unless `held`; negative mass; a rigid
     interface with a motion without mass; motions with neither mass nor stiffness; too many massless freedoms.
     """
@@ -220,7 +238,8 @@ def coordinates(
         # The rigid motions of the body have no component along the fixed directions.
         state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still))
     before = state.kept
-    bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
+    labels = np.arange(len(nodes)) if node_ids is None else node_ids
+    bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node, labels)
     if bare.any():
         try:
             tied = _follow_statically(body, state.K, bare)
@@ -331,7 +350,12 @@ def _fixed(still: sparse.csc_array) -> StaticallyTied:
 
 
 def _bare(
-    body: str, mass: sparse.csc_array, eligible: NDArray[np.bool_], freedoms: IntArray, dofs_per_node: int
+    body: str,
+    mass: sparse.csc_array,
+    eligible: NDArray[np.bool_],
+    freedoms: IntArray,
+    dofs_per_node: int,
+    labels: IntArray,
 ) -> NDArray[np.bool_]:
     """Mask (n,) of freedoms without mass; ModelError for a negative mass, or no mass where not `eligible`."""
     diagonal = mass.diagonal()
@@ -339,16 +363,17 @@ def _bare(
     wrong = np.flatnonzero((diagonal < 0) | (bare & ~eligible))
     if wrong.size:
         own = wrong[np.argmin(diagonal[wrong])]
-        node, component = divmod(int(freedoms[own]), dofs_per_node)
+        # An averaging interface would need no mass, but it would lack the deflection of such a node.
         remedy = (
             "mass cannot be negative"
             if diagonal[own] < 0
-            else "a rigid interface needs mass in every motion: give its material a density, or use an "
-            "averaging interface"
+            else "a rigid interface needs mass and inertia in every motion: give its material a density, or "
+            "its node a small mass with inertia. A spring or bushing that alone holds this node may instead "
+            "be one of the machine, at an interface beyond it"
         )
         raise ModelError(
-            f"body '{body}': node {node} {FREEDOM_NAMES[component]} has the mass {diagonal[own]:.3e} (one of "
-            f"{wrong.size}); {remedy}"
+            f"body '{body}': {freedom_label(int(freedoms[own]), labels, dofs_per_node)} has the mass "
+            f"{diagonal[own]:.3e} (one of {wrong.size}); {remedy}"
         )
     return bare
 

@@ -79,6 +79,7 @@ def _frequencies(model: FiniteElementModel, n: int, *, held: bool) -> FloatArray
         *("deck", model.mesh.nodes, model.dofs_per_node, model.stiffness, model.mass, sets, model.attached),
         tolerance=RIGID_TOLERANCE,
         held=held,
+        node_ids=model.mesh.node_ids,
     )
     if not len(made.freedoms):
         return np.zeros(0)

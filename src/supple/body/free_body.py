@@ -16,7 +16,7 @@ from supple.body.checks import (
     check_nodes,
     checked_nodal_matrix,
 )
-from supple.body.coordinates import Coordinates, congruent, coordinates, rigid_sets
+from supple.body.coordinates import AS_RIGID_BODY, Coordinates, congruent, coordinates, rigid_sets
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
@@ -76,14 +76,14 @@ def free_body(
     virtual = virtual_nodes(name, every, dofs_per_node, interfaces, node_ids, tied)
     rigid = _rigid_interfaces(name, virtual, len(nodes))
     sets = rigid_sets(name, len(nodes), rigid, attached)
-    if len(sets) == 1 and len(sets[0][0]) == len(nodes) and not n_modal:
-        raise ModelError(f"body '{name}': its interfaces tie every node rigidly; use a RigidBody")
     made = coordinates(
         *(name, nodes, dofs_per_node, K_nodal, M_nodal, sets, attached),
         n_interfaces=len(rigid),
         n_modal=n_modal,
         tolerance=rigid_tolerance,
+        node_ids=labels,
     )
+    _refuse_rigid(made, name, K_nodal, len(nodes))
     displaced = made.bare[(made.bare < len(nodes) * dofs_per_node) & (made.bare % dofs_per_node < 3)]
     # The check needs the nodal matrices: the eliminations change the size of the forces that cancel.
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
@@ -150,6 +150,14 @@ def _rigid_interfaces(
                 "boundary grid"
             )
     return rigid
+
+
+def _refuse_rigid(made: Coordinates, body: str, stiffness: sparse.csc_array, n_nodes: int) -> None:
+    """Raise ModelError for a body that no motion strains."""
+    if len(made.sets) == 1 and len(made.sets[0][0]) == n_nodes and not made.n_modal:
+        raise ModelError(f"body '{body}': its interfaces tie every node rigidly; use a RigidBody")
+    if made.is_rigid(stiffness):
+        raise ModelError(f"body '{body}': no motion strains it: {AS_RIGID_BODY}")
 
 
 def _threes(

@@ -18,7 +18,7 @@ from scipy.spatial import KDTree
 from supple.algebra import lowest_modes
 from supple.arrays import FloatArray
 from supple.body.checks import RIGID_NAMES, SYMMETRY, MatrixLike, freedom_label, rigid_force_ratios
-from supple.body.coordinates import Coordinates, coordinates, rigid_sets
+from supple.body.coordinates import AS_RIGID_BODY, Coordinates, coordinates, rigid_sets
 from supple.body.free_body import RIGID_TOLERANCE, freed_boundary
 from supple.body.labelled_superelement import NodalMatrices
 from supple.body.mass_properties import MassProperties, mesh_mass_properties, rigid_mass_properties
@@ -74,6 +74,9 @@ class Finding:
     seen: str
     verdict: Verdict = Verdict.OK
     remedy: str = ""
+
+
+_UNITS_UNKNOWN = Finding("units", "not checked: the model has springs and masses only")
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,8 +208,11 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
         mesh_mass=expected,
         attached=model.attached,
     )
+    findings = check.findings
+    if not model.sections:  # springs and masses: no waves
+        findings = tuple(_UNITS_UNKNOWN if each.what == _UNITS_UNKNOWN.what else each for each in findings)
     cells = [_cells_twice(model.mesh), *_middle_nodes(model.mesh), *_first_order(model)]
-    return replace(check, findings=(*check.findings, *cells))
+    return replace(check, findings=(*findings, *cells))
 
 
 def stiff_cells(model: FiniteElementModel) -> dict[str, int]:
@@ -397,6 +403,7 @@ def _coordinates(model: _Model, beside: Attached) -> tuple[Coordinates | None, l
             *("model", model.nodes, model.dofs_per_node, model.K, model.M, sets, beside),
             n_modal=model.n_modal,
             tolerance=model.tolerance,
+            node_ids=model.labels,
         )
     except ModelError as error:
         remedy = (
@@ -540,6 +547,9 @@ def _modes(
     model: _Model, n_frequencies: int, made: Coordinates
 ) -> tuple[list[Finding], int | None, tuple[float, ...]]:
     wanted = min(6 + n_frequencies, len(made.freedoms))
+    if made.is_rigid(model.K):
+        rigid = Finding("lowest modes", "none: no motion strains the model", Verdict.REFUSED, AS_RIGID_BODY)
+        return [rigid], None, ()
     try:
         pairs = lowest_modes(made.stiffness, made.mass, wanted)
     except (ModelError, AccuracyError) as error:

@@ -112,7 +112,7 @@ def _of_part(units: UnitSystem, part: ElementPart) -> Iterator[str]:
 
 
 def _of_waves(units: UnitSystem, body: FlexibleBody) -> Iterator[str]:
-    if body.model is None or len(body.nodes) < 2:
+    if body.model is None or not body.model.sections or len(body.nodes) < 2:
         return
     speed = wave_speed(body.nodes, body.model.stiffness, body.nodal_mass, dofs_per_node=body.dofs_per_node)
     if units.velocity:
