@@ -108,6 +108,8 @@ MADE = {
     f'kind = "tabled-force", {AXIS}, slides = [0, 1], speeds = [0, 2], values = [[1, 2], [4, 5]]': (
         m.TabledForce
     ),
+    'kind = "tabled-tension", first = "wheel.rim", anchor = [1, 1, 0], distances = [0, 1], speeds = [0, 2], '
+    "values = [[1, 2], [4, 5]]": m.TabledTension,
     f'kind = "angle-servo", {AXIS}, law = {{ kind = "constant-rate", rate = 2.0 }}, {KEEP}': (m.AngleServo),
     f'kind = "slide-servo", {AXIS}, law = {{ kind = "constant", value = 2.0 }}, {KEEP}': m.SlideServo,
     f'kind = "motor", {AXIS}, speeds = [0, 1], torques = [3, 1]': m.MotorCurve,

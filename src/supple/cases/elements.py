@@ -158,6 +158,11 @@ ElementTable = Annotated[
             force=_surface("slides", "speeds", "a length", "a velocity", "a force"),
         ),
         _element(
+            machine.TabledTension,
+            "tabled-tension",
+            tension=_surface("distances", "speeds", "a length", "a velocity", "a force"),
+        ),
+        _element(
             machine.AngleServo,
             "angle-servo",
             angle=_FOLLOWED,

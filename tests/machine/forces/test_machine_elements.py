@@ -50,6 +50,7 @@ OTHERS = {
     ),
     "table of torque": m.TabledTorque(**AXIS, torque=m.Surface([-4, 4], [-3, 3], [[1, 2], [3, 5]])),
     "table of force": m.TabledForce(**AXIS, force=m.Surface([-4, 4], [-3, 3], [[1, 2], [3, 5]])),
+    "table of tension": m.TabledTension(**ENDS, tension=m.Surface([0, 4], [-3, 3], [[1, 2], [3, 5]])),
     "bearing": m.JournalBearing(**AXIS, stiffness=[[3, 1], [-1, 4]], damping=[[0.3, 0], [0, 0.2]]),
     "contact with friction": m.SphereOnPlane(
         **AXIS, radius=2.0, penalty=PENALTY, friction=m.Coulomb(coefficient=0.4, width=0.1)
@@ -250,6 +251,20 @@ def test_tables_in_one_variable_and_in_two():
     surface = m.Surface([0, 1], [0, 2], [[1, 3], [5, 11]])
     np.testing.assert_allclose(surface(0.5, 1.0), 5.0)
     np.testing.assert_allclose([surface(-1, 5), surface(9, -9)], [3, 5])
+
+
+def test_a_table_of_tension_acts_along_the_line():
+    """A linear table, 7 (l - 0.3) + 2 dl/dt, is a spring and damper of the same numbers."""
+    lengths, rates = np.array([0.0, 4.0]), np.array([-9.0, 9.0])
+    table = m.Surface(lengths, rates, 7.0 * (lengths[:, None] - 0.3) + 2.0 * rates)
+    tabled = m.TabledTension(**ENDS, tension=table)
+    same = m.SpringDamper(**ENDS, stiffness=7.0, damping=2.0, rest_length=0.3)
+    first, second = ends(3)
+    for own, other in zip(
+        *(each.wrenches(first, second, None, each.parameters) for each in (tabled, same)), strict=True
+    ):
+        np.testing.assert_allclose(own.force, other.force, rtol=1e-6)
+        assert not np.any(own.moment)
 
 
 @pytest.mark.parametrize("first_row", [0.0, -np.pi, -0.5 * np.pi])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -10,11 +11,11 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from supple.machine.forces.characteristic import Surface, surface_at
-from supple.machine.forces.force_element import AxialElement
+from supple.machine.forces.force_element import AnchoredElement, AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
-from supple.machine.pose import Parameters, Pose, Wrenches
+from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
-__all__ = ["TabledForce", "TabledTorque"]
+__all__ = ["TabledForce", "TabledTension", "TabledTorque"]
 
 _ONE_REVOLUTION = 1e-2
 """rad, largest rounding of the angles of a table of one revolution."""
@@ -67,3 +68,31 @@ class TabledForce(AxialElement):
         motion = axial_motion(first, second)
         force = surface_at(motion.slide, motion.speed, parameters) * first.axes[:, 2]
         return force_pair(first, second, force, jnp.zeros(3))
+
+
+@dataclass(frozen=True, kw_only=True)
+class TabledTension(AnchoredElement):
+    """Tension along the line between two points, a table over their distance (rows) and its rate (columns).
+
+    A positive tension pulls the ends together. A shock absorber pulls in rebound, at positive rates, and
+    pushes in bump. The two ends must not coincide.
+    """
+
+    tension: Surface
+
+    acts_along_line: ClassVar[bool] = True
+
+    @property
+    def parameters(self) -> tuple[ArrayLike, ...]:
+        """Arrays of the table."""
+        return self.tension.parameters
+
+    @staticmethod
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
+        """Equal and opposite forces along the line."""
+        between = second.point - first.point
+        length = jnp.sqrt(between @ between)
+        direction = between / length
+        rate = direction @ (second.velocity - first.velocity)
+        force = surface_at(length, rate, parameters) * direction
+        return Wrench(force, jnp.zeros(3)), Wrench(-force, jnp.zeros(3))
