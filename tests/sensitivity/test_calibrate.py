@@ -52,6 +52,23 @@ def test_parameters_of_an_exact_measurement_are_found_again():
     assert "stiffness  100 +-" in str(fit)
 
 
+def test_a_step_to_values_that_no_machine_has_is_shortened():
+    """From a damping of 12 the first steps are to zero and below, which a spring refuses."""
+    little = {"stiffness": 100.0, "damping": 0.1}
+    system = let_go(little)
+    solution = simulate(system, RUN)
+    given = Measurement("x", solution.times, X.values(system, solution)[:, 0], "x")
+    tried = []
+
+    def build(parameters):
+        tried.append(parameters["damping"])
+        return let_go({**little, **parameters})
+
+    fit = calibrate(build, {"damping": 12.0}, RUN, [X], [given])
+    assert min(tried) < 0
+    assert fit.parameters["damping"] == pytest.approx(0.1, rel=1e-6)
+
+
 @pytest.mark.slow
 def test_the_covariance_is_that_of_many_fits():
     """60 fits of the same motion with other noise: deviations and correlation within their own scatter."""

@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import checked_arguments
 from supple.arrays import FloatArray
-from supple.errors import ConvergenceError, IdentifiabilityWarning, ModelError, SuppleWarning, did_you_mean
+from supple.errors import (
+    ConvergenceError,
+    IdentifiabilityWarning,
+    ModelError,
+    SuppleError,
+    SuppleWarning,
+    did_you_mean,
+)
 from supple.integrate import Run, Solution
 from supple.machine import System
 from supple.progress import with_progress_bar
@@ -186,17 +193,23 @@ class _Fit:
         )
 
     def residuals(self, values: FloatArray) -> FloatArray:
-        """Weighted residuals (n,); inf if the run fails, so that the trust region shrinks."""
+        """Weighted residuals (n,); inf, to shrink the trust region, without a machine or run of the values.
+
+        Example: a step of the search to a negative mass. The initial values have been used before.
+        """
+        # The first step is often as long as its parameter. At zero no change of its own size would be known.
+        if any(not value and name not in self.given for name, value in self._named(values).items()):
+            return np.full(len(self._measured), np.inf)
         self.runs += 1
-        system = self.build(self._named(values))
-        columns = self._columns(system)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuppleWarning)  # trial values only
             try:
+                system = self.build(self._named(values))
                 solution = watched_run(system, self.run)
-            except ConvergenceError as error:
+            except SuppleError as error:
                 self.broken = str(error)
                 return np.full(len(self._measured), np.inf)
+        columns = self._columns(system)
         return self._computed(solution, read(self.observables, system, solution), columns) - self._measured
 
     def jacobian(self, values: FloatArray) -> FloatArray:
@@ -212,7 +225,7 @@ class _Fit:
         self.runs += 1
         named = self._named(values)
         sizes = {
-            name: size if name in self.given or not named[name] else min(size, abs(named[name]))
+            name: size if name in self.given else min(size, abs(named[name]))
             for name, size in self.sizes.items()
         }
         found = sensitivities(self.build, named, self.run, self.observables, sizes=sizes)
