@@ -42,6 +42,8 @@ def test_an_angle_that_passes_half_a_revolution_is_reported(load):
     with pytest.raises(ValidityError, match="passes half a revolution"):
         turned(load, 0.6, Validity(strict=True))
     turned(load, 0.49)
+    with pytest.warns(ValidityWarning, match="passes half a revolution"):
+        turned(load, 60.0)  # more than half a revolution between output times
 
 
 def test_a_servo_is_reported_where_it_is_half_a_revolution_late():
@@ -62,3 +64,4 @@ def test_a_servo_is_reported_where_it_is_half_a_revolution_late():
 )
 def test_what_turns_without_a_limit_is_not_reported(load):
     turned(load, 3.0)
+    turned(load, 60.0)

@@ -25,7 +25,8 @@ def report_half_revolutions(system: System, run: Run, solution: Solution) -> Non
     """Warn (ValidityWarning) of force elements whose moment jumps where an angle passes half a revolution.
 
     Raises ValidityError instead in a strict run. Intervals between output times in which an angle changes by
-    half a revolution or more are not checked.
+    half a revolution or more are not checked, unless all intervals are so long and the angle changes by more
+    than a revolution.
     """
     intervals = np.diff(solution.times)
     for load in system.loads:  # the set-point of a servo that a controller drives is unknown
@@ -35,8 +36,10 @@ def report_half_revolutions(system: System, run: Run, solution: Solution) -> Non
         angles, rates = map(np.asarray, _angles(load, *ends, solution.times))
         fastest = np.linalg.norm(rates, axis=1)
         expected = angles[:-1] + intervals[:, None] * (rates[1:] + rates[:-1]) / 2
-        jumps = np.linalg.norm(angles[1:] - expected, axis=1) > np.pi
-        jumps &= intervals * np.maximum(fastest[1:], fastest[:-1]) < np.pi
+        resolved = intervals * np.maximum(fastest[1:], fastest[:-1]) < np.pi
+        jumps = resolved & (np.linalg.norm(angles[1:] - expected, axis=1) > np.pi)
+        if not resolved.any():
+            jumps[:] = np.linalg.norm((expected - angles[:-1]).sum(axis=0)) > 2 * np.pi
         if jumps.any():
             time = float(solution.times[1:][jumps][0])
             warn_or_raise(f"{load.label}: by t = {time:.6g} {consequence}", ValidityWarning, run.validity)
