@@ -124,6 +124,8 @@ def test_the_slider_moves_as_its_crank_and_the_motor_does_the_work(written, tmp_
 def test_the_equilibrium_of_a_machine_drawn_apart_is_that_of_the_assembled_one(written, tmp_path):
     tracked = static_case(written(), tmp_path).tracked["slider.wrist"]
     np.testing.assert_allclose(tracked.position[0], [4, 0, 0], atol=1e-9)
+    driven = static_case(written(), tmp_path, time=1.5).tracked["slider.wrist"]  # the crank at 2 rad
+    np.testing.assert_allclose(driven.position[0, 0], np.cos(2) + np.sqrt(9 - np.sin(2) ** 2), atol=1e-9)
 
 
 def test_what_an_integrator_would_need_is_a_mistake(written):

@@ -56,19 +56,22 @@ def test_a_run_of_the_machine_as_drawn_is_refused_and_names_the_remedy(rod):
         simulate(triangle(rod), Run(1.0, 0.1))
 
 
-def test_a_driven_crank_is_put_to_where_its_law_begins(rod):
+@pytest.mark.parametrize("angle", [1.2, 2.5])
+def test_a_driven_crank_is_put_to_where_its_law_begins(rod, angle):
     system = System(
         bodies=(Placed(rod("crank", 1.0), position=[0.5, 0, 0]),),
         joints=(
             PrescribedRotation(
-                first=GROUND, second=At("crank", "left"), axis=Z, angle=ConstantRate(1.0, 1.2)
+                first=GROUND, second=At("crank", "left"), axis=Z, angle=ConstantRate(1.0, angle)
             ),
         ),
     )
     found = assemble(system)
-    np.testing.assert_allclose(found.system.bodies[0].rotation[:2, 0], [np.cos(1.2), np.sin(1.2)], atol=1e-12)
+    np.testing.assert_allclose(
+        found.system.bodies[0].rotation[:2, 0], [np.cos(angle), np.sin(angle)], atol=1e-12
+    )
     (moved,) = found.moved
-    assert moved.angle == pytest.approx(1.2)
+    assert moved.angle == pytest.approx(angle)
 
 
 def test_a_machine_that_fits_stays_where_it_is(rod):

@@ -104,7 +104,7 @@ def modes_case(
 
 def found_modes(case: Case, n_modes: int, *, time: float, errors: bool, allow_code: bool) -> MachineModes:
     """Modes of a case's machine; parameters and errors as for `modes_case`."""
-    system, spin = analysed_system(case, allow_code=allow_code), spin_of(case)
+    system, spin = analysed_system(case, time=time, allow_code=allow_code), spin_of(case)
     fulls = None if errors or case.starts else ()
     if case.starts:
         system = _accurate(case, system, (spin,), n_modes, time)

@@ -47,8 +47,8 @@ def spin_of(case: Case) -> Spin | None:
     return made if made.bodies is None else replace(made, bodies=case.names_in_machine(made.bodies))
 
 
-def analysed_system(case: Case, *, allow_code: bool) -> System:
-    """The machine for its equilibrium or modes, assembled on request, with its controllers if allowed.
+def analysed_system(case: Case, *, time: float = 0.0, allow_code: bool) -> System:
+    """The machine for its equilibrium or modes, assembled on request at a time, with its allowed controllers.
 
     Issues ControlWarning if the code may not run; raises CaseError for code that fails.
     """
@@ -60,8 +60,8 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
             ControlWarning,
             stacklevel=2,
         )
-        return assembled_system(case)
-    return case.controlled(assembled_system(case), allow_code=allow_code)
+        return assembled_system(case, time)
+    return case.controlled(assembled_system(case, time), allow_code=allow_code)
 
 
 def starting_system(case: Case, simulated: System | None = None, *, allow_code: bool = False) -> System:
@@ -107,11 +107,14 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
     return replace(found, controllers=controllers)
 
 
-def assembled_system(case: Case) -> System:
-    """The machine as placed, or assembled if the case requests it; errors as for `starting_system`."""
+def assembled_system(case: Case, time: float | None = None) -> System:
+    """The machine as placed, or assembled if the case requests it; errors as for `starting_system`.
+
+    time : time at which the laws of joints are evaluated; by default the start of the run
+    """
     if not case.tables.simulation.assemble:
         return case.system
-    found = assemble(case.system, time=case.run.start)
+    found = assemble(case.system, time=case.run.start if time is None else time)
     case.notify(_assembly_line(found))
     return found.system
 
@@ -152,7 +155,7 @@ def static_case(
     warn_of_units(case)
     # Errors of sensors are reported before the search, not after it.
     sensors = case.sensors
-    system = analysed_system(case, allow_code=allow_code)
+    system = analysed_system(case, time=time, allow_code=allow_code)
 
     def searching(_: int, residual: float) -> None:
         # The bar shows the number of correct digits, which Newton's method doubles near the solution.

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+
+import jax.numpy as jnp
+import numpy as np
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
@@ -11,12 +15,17 @@ from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.consistent_start import placed_configuration
 from supple.equations.joint_closure import joints_assembled
 from supple.equations.start_change import PositionCorrection
-from supple.machine import System
+from supple.machine import PrescribedRotation, System
+from supple.machine.forces.relative_motion import wrapped
+from supple.machine.laws.time_law import as_time_law
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.intrinsic import IntrinsicBody
 from supple.methods.intrinsic.line_in_frame import lines_in_frames
 
 __all__ = ["AssembledMachine", "assemble"]
+
+_TURN = 0.8
+"""Largest change of a prescribed angle, rad, for which the joints are closed at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +57,35 @@ def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
     ConvergenceError    joints that cannot be closed; the message states the worst joint and its residual
     Source: [Nikravesh1988] section 3.2 (Newton's method on the constraint equations).
     """
-    sparse = system.bodies_of(FullBody) or system.bodies_of(IntrinsicBody)
-    machine = FullSystem(lines_in_frames(system)) if sparse else CompiledMachine(system, build_model(system))
-    found = joints_assembled(machine, time, placed_configuration(system))
+    found = placed_configuration(system)
+    for machine in (*_driven_part_of_the_way(system, time), system):
+        found = joints_assembled(_equations(machine), time, found)
     bodies, moved = [], []
     for placed, position, rotation in zip(system.bodies, found.origins, found.rotations, strict=True):
         bodies.append(placed.moved_to(position, rotation))
         moved.append(PositionCorrection.of(placed, position, bodies[-1].rotation))
     return AssembledMachine(replace(system, bodies=tuple(bodies)), tuple(moved))
+
+
+def _equations(system: System) -> FullSystem | CompiledMachine:
+    sparse = system.bodies_of(FullBody) or system.bodies_of(IntrinsicBody)
+    return FullSystem(lines_in_frames(system)) if sparse else CompiledMachine(system, build_model(system))
+
+
+def _driven_part_of_the_way(system: System, time: float) -> Iterator[System]:
+    """The machine with its prescribed rotations at growing shares of their angles, by at most `_TURN` each.
+
+    A joint measures the sine of its deviation: beyond a right angle the iteration would end half a revolution
+    away from the angle.
+    """
+    turned = [joint for joint in system.joints if isinstance(joint, PrescribedRotation)]
+    angles = {joint.name: float(wrapped(jnp.asarray(as_time_law(joint.angle)(time)))) for joint in turned}
+    number = int(np.ceil(max(map(abs, angles.values()), default=0.0) / _TURN))
+    for k in range(1, number):
+        yield replace(
+            system,
+            joints=tuple(
+                replace(joint, angle=k / number * angles[joint.name]) if joint in turned else joint
+                for joint in system.joints
+            ),
+        )
