@@ -72,6 +72,18 @@ def test_a_driven_crank_is_put_to_where_its_law_begins(rod, angle):
     )
     (moved,) = found.moved
     assert moved.angle == pytest.approx(angle)
+    assert assemble(found.system).moved[0].angle == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_drive_that_begins_half_a_revolution_away_is_open(rod):
+    """The joint measures the sine of its deviation, which is zero there."""
+    ends = {"first": GROUND, "second": At("crank", "left"), "axis": Z}
+    bodies = (Placed(rod("crank", 1.0), position=[0.5, 0, 0]),)
+    drive = PrescribedRotation(**ends, angle=ConstantRate(1.0, np.pi))
+    with pytest.raises(ModelError, match=r"rotation z is off by -?3\.14.*assemble = true"):
+        simulate(System(bodies=bodies, joints=(drive,)), Run(0.1, 0.1))
+    whole = System(bodies=bodies, joints=(PrescribedRotation(**ends, angle=ConstantRate(1.0, 2 * np.pi)),))
+    assert simulate(whole, Run(0.1, 0.1)).stopped is None
 
 
 def test_a_machine_that_fits_stays_where_it_is(rod):

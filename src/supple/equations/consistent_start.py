@@ -13,8 +13,10 @@ import warnings
 from collections.abc import Sequence
 from typing import Generic, NamedTuple, TypeVar
 
+import jax.numpy as jnp
 import numpy as np
 import scipy.linalg
+from scipy.spatial.transform import Rotation
 
 from supple.equations.build_model import row_scales
 from supple.equations.configuration import Configuration
@@ -24,7 +26,8 @@ from supple.equations.start_change import StartChange, StartEnergies
 from supple.equations.start_velocity import velocity_change
 from supple.equations.starting_machine import StartingMachine
 from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning
-from supple.machine import JointFriction, System
+from supple.machine import GROUND, JointFriction, PrescribedRotation, System
+from supple.machine.forces.relative_motion import wrapped
 
 _REDUNDANT = 1e-9
 """Largest part of a redundant row of the Jacobian that is independent of earlier rows, relative to the row,
@@ -72,7 +75,7 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
     configuration, velocity = placed_configuration(system), placed_velocity(system)
     terms = machine.joint_terms(time, configuration, velocity)
     check_joints_finite(system, terms.residual, terms.rate)
-    _check_joints_closed(system, machine.model, terms.residual)
+    _check_joints_closed(system, machine.model, terms.residual, time)
     gaps = terms.residual
     active = independent_constraints(system, terms.jacobian, machine.metric(configuration))
     if active != machine.model.active:
@@ -181,12 +184,16 @@ def placed_velocity(system: System) -> np.ndarray:
     return np.concatenate([item for part in parts for item in part])
 
 
-def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) -> None:
+def _check_joints_closed(system: System, model: Model, residuals: np.ndarray, time: float) -> None:
     """Raise ModelError for a joint whose ends lie apart in the initial configuration."""
     rows = system.constraint_slices
     for joint in system.joints:
-        own = residuals[rows[joint.name]]
-        for row, residual in zip(joint.rows, own, strict=True):
+        own = list(zip(joint.rows, residuals[rows[joint.name]], strict=True))
+        if isinstance(joint, PrescribedRotation):
+            behind = angle_behind(system, joint, time)
+            # The residual is its sine, which is zero at half a revolution.
+            own += [("rotation z", behind)] if abs(behind) > np.pi / 2 else []
+        for row, residual in own:
             scale = float(model.length) if row.startswith("position") else 1.0
             if abs(residual) > _OPEN * scale:
                 raise ModelError(
@@ -196,6 +203,18 @@ def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) ->
                     "have the machine assembled: assemble(system); in a case file, assemble = true in "
                     "[simulation]"
                 )
+
+
+def angle_behind(system: System, joint: PrescribedRotation, time: float) -> float:
+    """Angle from the prescribed to the actual rotation of the bodies, as if undeformed; in (-pi, pi]."""
+    turned = [np.eye(3), np.eye(3)]
+    for k, end in enumerate((joint.first, joint.second)):
+        if end != GROUND:
+            placed = system.placed(end.body, f"joint '{joint.name}'")
+            turned[k] = placed.rotation @ placed.assembly.rotation.T
+    axis = np.asarray(joint.axis, dtype=float) / np.linalg.norm(joint.axis)
+    angle = Rotation.from_matrix(turned[0].T @ turned[1]).as_rotvec() @ axis
+    return float(wrapped(angle - jnp.asarray(joint.law(time))))
 
 
 def check_friction_known(system: System, active: tuple[int, ...]) -> None:

@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import jax.numpy as jnp
 import numpy as np
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.equations.build_model import build_model
 from supple.equations.compiled_machine import CompiledMachine
-from supple.equations.consistent_start import placed_configuration
+from supple.equations.consistent_start import angle_behind, placed_configuration
 from supple.equations.joint_closure import joints_assembled
 from supple.equations.start_change import PositionCorrection
-from supple.machine import PrescribedRotation, System
-from supple.machine.forces.relative_motion import wrapped
-from supple.machine.laws.time_law import as_time_law
+from supple.machine import Joint, PrescribedRotation, System
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.intrinsic import IntrinsicBody
 from supple.methods.intrinsic.line_in_frame import lines_in_frames
@@ -73,19 +70,23 @@ def _equations(system: System) -> FullSystem | CompiledMachine:
 
 
 def _driven_part_of_the_way(system: System, time: float) -> Iterator[System]:
-    """The machine with its prescribed rotations at growing shares of their angles, by at most `_TURN` each.
+    """The machine with its prescribed rotations nearer to their angles, each time by at most `_TURN`.
 
     A joint measures the sine of its deviation: beyond a right angle the iteration would end half a revolution
     away from the angle.
     """
-    turned = [joint for joint in system.joints if isinstance(joint, PrescribedRotation)]
-    angles = {joint.name: float(wrapped(jnp.asarray(as_time_law(joint.angle)(time)))) for joint in turned}
-    number = int(np.ceil(max(map(abs, angles.values()), default=0.0) / _TURN))
+    behind = {
+        joint.name: angle_behind(system, joint, time)
+        for joint in system.joints
+        if isinstance(joint, PrescribedRotation)
+    }
+    largest = max(map(abs, behind.values()), default=0.0)
+    number = int(np.ceil(largest / _TURN)) if np.isfinite(largest) else 0  # the joints name the law
+
+    def nearer(joint: Joint, left: float) -> Joint:
+        if not isinstance(joint, PrescribedRotation):
+            return joint
+        return replace(joint, angle=float(joint.law(time)) + left * behind[joint.name])
+
     for k in range(1, number):
-        yield replace(
-            system,
-            joints=tuple(
-                replace(joint, angle=k / number * angles[joint.name]) if joint in turned else joint
-                for joint in system.joints
-            ),
-        )
+        yield replace(system, joints=tuple(nearer(joint, 1 - k / number) for joint in system.joints))
