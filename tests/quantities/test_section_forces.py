@@ -79,6 +79,31 @@ def test_a_tip_force_is_carried_as_shear_and_moment(form, kind):
     assert read(system, found.solution, other)[0] == pytest.approx(-seen, abs=1e-9 * np.linalg.norm(force))
 
 
+def test_a_section_through_one_kind_of_element_of_several():
+    """A beam with a plate at its tip: the section in the beam carries the force on the tip."""
+    n = 8
+    line = np.linspace(0, LENGTH, n + 1)[:, None] * np.eye(3)[0]
+    plate = Mesh(
+        np.vstack([line, [(1.1, -0.05, 0.0), (1.1, 0.05, 0.0)]]),
+        {
+            CellType.LINE2: np.column_stack([np.arange(n), np.arange(1, n + 1)]),
+            CellType.TRIANGLE3: np.array([[n, n + 1, n + 2]]),
+        },
+        node_sets={"root": [0], "tip": [n]},
+        cell_sets={"beam": {CellType.LINE2: range(n)}, "plate": {CellType.TRIANGLE3: [0]}},
+    )
+    model = shell_model(plate, {"beam": rectangle(0.1, 0.3), "plate": HomogeneousSection(STEEL, 0.01)})
+    body = flexible_body("beam", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
+    system = System(
+        (Placed(FullBody(body, NodalFixedFrame("root"))),),
+        (Fixed(name="clamp", first=GROUND, second=At("beam", "root")),),
+        (DeadForce(body="beam", at="tip", force=(0.0, 0.0, -0.01)),),
+    )
+    sensor = SectionForceSensor("mid", Place("beam", (n // 2,)), (1.0, 0, 0), model)
+    seen = read(system, equilibrium(system).solution, sensor)[0]
+    assert seen == pytest.approx([0.0, 0.0, -0.01, 0.0, 0.005, 0.0], abs=1e-7)
+
+
 @pytest.mark.slow
 def test_own_weight_is_carried_as_shear_and_moment(tmp_path):
     """`F = w (L - x)`, `M = w (L - x)^2 / 2`; the consistent loads of beams give both at every node."""

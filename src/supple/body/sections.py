@@ -135,13 +135,15 @@ def _layer(body: BodyForm, model: FiniteElementModel, plane: CuttingPlane) -> _L
     _refuse_tied(body, model.attached.rigid, around)
     freedoms = (around[:, None] * d + np.arange(d)).ravel()
     cut = np.flatnonzero(shared[around])
+    at_the_section = [
+        (block.of(some), np.where(outside[some], -0.5, 0.5))
+        for block, some, outside in zip(model.strains, chosen, beyond, strict=True)
+        if some.size
+    ]
     return _Layer(
         freedoms,
-        tuple(
-            _renumbered(block.of(some), freedoms, linear=body.is_linear)
-            for block, some in zip(model.strains, chosen, strict=True)
-        ),
-        tuple(np.where(outside[some], -0.5, 0.5) for outside, some in zip(beyond, chosen, strict=True)),
+        tuple(_renumbered(block, freedoms, linear=body.is_linear) for block, _ in at_the_section),
+        tuple(shares for _, shares in at_the_section),
         cut[:, None] * d + np.arange(d),
         nodes[around[cut]],
     )
