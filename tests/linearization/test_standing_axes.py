@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fixtures.beam_bodies import beam_body
 from scipy.spatial.transform import Rotation
 
 from supple.body import MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
@@ -487,6 +488,16 @@ def test_modes_of_a_blade_are_named_by_the_way_that_it_moves():
     across = PrescribedRotation(first="ground", second=f"{reduced.name}.root", axis=(0, 1, 0), angle=0.0)
     turned = System([reduced], [across])
     assert mode_names(machine_modes(linearize(turned, spin=Spin(0.0, (0, 1, 0)), fulls=()), 1)) == ("edge 1",)
+
+
+def test_torsion_of_a_blade_of_beams_is_named():
+    """Its nodes are on its axis: they do not move in torsion, at sqrt(G J / rho I_p) / 4 L = 125 Hz."""
+    body = beam_body("root", n=6)
+    reduced = reduce(body, NodalFixedFrame("root"), CraigBampton(6), loads=NoLoads)
+    hub = PrescribedRotation(first="ground", second="beams.root", axis=Z, angle=0.0, name="hub")
+    modes = machine_modes(linearize(System([reduced], [hub]), spin=Spin(0.0, Z), fulls=()), 6)
+    assert modes.frequencies[5] / (2 * np.pi) == pytest.approx(124.8, rel=0.01)
+    assert mode_names(modes)[5] == "torsion 1"
 
 
 def test_a_bushing_against_tilt_belongs_on_a_bearing_that_stands():

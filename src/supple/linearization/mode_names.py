@@ -9,7 +9,7 @@ import numpy as np
 from supple.linearization.linear_machine import Array
 from supple.linearization.machine_modes import MachineModes
 from supple.linearization.whirl import whirl
-from supple.machine import Placed, Spin
+from supple.machine import Spin
 
 __all__ = ["mode_names"]
 
@@ -21,6 +21,9 @@ ON_AXIS = 1e-3
 unbalance moves it off the axis."""
 SECTIONS = 12
 """Number of sections of a blade; motion relative to the mean of its section is torsion."""
+TRANSLATING = 0.25
+"""Share of the kinetic energy in the translation of the nodes, below which the motion is torsion: nodes of
+beams and of lines do not translate in torsion."""
 
 
 def mode_names(modes: MachineModes) -> tuple[str, ...]:
@@ -50,13 +53,14 @@ def _kind(modes: MachineModes, number: int, body: int, sense: int) -> str:
     largest = float(np.linalg.norm(radii, axis=1).max(initial=0.0))
     on_axis = largest <= ON_AXIS * np.ptp(placed.positions(), axis=0).max(initial=0.0)
     if not on_axis and np.linalg.norm(radii.mean(axis=0)) > AWAY * largest > 0:
-        return _of_blade(modes, number, placed, spin, radii)
+        return _of_blade(modes, number, body, spin, radii)
     return {1: "forward whirl", -1: "backward whirl"}.get(sense, name)
 
 
-def _of_blade(modes: MachineModes, number: int, placed: Placed, spin: Spin, radii: Array) -> str:
+def _of_blade(modes: MachineModes, number: int, body: int, spin: Spin, radii: Array) -> str:
     """Name of the motion with the largest part of the sum of squares over the nodes, by sections."""
     along = radii.mean(axis=0) / np.linalg.norm(radii.mean(axis=0))
+    placed, own = modes.machine.system.bodies[body], modes.machine.slices[body]
     shape = modes.shapes[:, number]
     motion = modes.machine.moving_at(np.array([shape.real, shape.imag])).bodies[placed.body.name]
     real, imaginary = placed.body.node_motion(motion, np.arange(len(placed.body.nodes))).velocity
@@ -71,4 +75,7 @@ def _of_blade(modes: MachineModes, number: int, placed: Placed, spin: Spin, radi
     directions = {"flap": spin.axis, "edge": np.cross(spin.axis, along), "stretch": along}
     squares = {name: float(sizes @ abs(means @ axis) ** 2) for name, axis in directions.items()}
     squares["torsion"] = float(np.sum(abs(moved - means[sections]) ** 2))
+    energy = np.real(shape[own].conj() @ (modes.machine.full_mass @ shape)[own])  # twice the kinetic energy
+    if placed.body.mass * np.mean(np.sum(abs(moved) ** 2, axis=1)) < TRANSLATING * energy:
+        return "torsion"
     return max(squares, key=lambda name: squares[name])
