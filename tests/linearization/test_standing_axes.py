@@ -26,6 +26,7 @@ from supple.linearization import (
     whirl,
 )
 from supple.machine import (
+    At,
     Bushing,
     ConstantRate,
     Fixed,
@@ -38,6 +39,7 @@ from supple.machine import (
     Spin,
     System,
     TorsionSpringDamper,
+    Universal,
 )
 from supple.mesh import CellType, cylinder, strip
 from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, reduce
@@ -498,6 +500,23 @@ def test_torsion_of_a_blade_of_beams_is_named():
     modes = machine_modes(linearize(System([reduced], [hub]), spin=Spin(0.0, Z), fulls=()), 6)
     assert modes.frequencies[5] / (2 * np.pi) == pytest.approx(124.8, rel=0.01)
     assert mode_names(modes)[5] == "torsion 1"
+
+
+def test_a_universal_joint_to_the_ground_belongs_on_a_hub():
+    """Hinges of a blade at the distance e from the axis: w = W sqrt(1 + 3 e / (2 L)) in flap."""
+    e, length, rate = 0.2, 4.0, 20.0
+    end = RigidBody("blade", 30.0, (length / 2, 0, 0), 40.0 * np.diag([1e-3, 1, 1]), {"root": (0, 0, 0)})
+    blade = Placed(end, position=(e, 0, 0))
+    hinges = Universal(
+        first="ground", second="blade.root", first_axis=(0, 1, 0), second_axis=Z, name="hinges"
+    )
+    with pytest.raises(ModelError, match="joint 'hinges' connects one to the ground: if there is a hub"):
+        linearize(System([blade], [hinges]), spin=Spin(rate, Z))
+    hub = RigidBody("hub", 5.0, np.zeros(3), np.eye(3), {"shaft": (0, 0, 0), "end": (e, 0, 0)})
+    shaft = PrescribedRotation(first="ground", second="hub.shaft", axis=Z, angle=0.0, name="shaft")
+    turned = System([hub, blade], [shaft, replace(hinges, first=At("hub", "end"))])
+    found = machine_modes(linearize(turned, spin=Spin(rate, Z))).frequencies
+    assert found[1] == pytest.approx(rate * np.sqrt(1 + 1.5 * e / length), rel=2e-4)
 
 
 def test_a_bushing_against_tilt_belongs_on_a_bearing_that_stands():

@@ -16,7 +16,7 @@ from supple.linearization.linear_machine import FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.standing_axes import RotatingMachine, in_standing_axes
 from supple.linearization.standing_error import StandingTurn, coordinates_of_bodies, expansion
-from supple.machine import JointFriction, Spin, System
+from supple.machine import GROUND, JointFriction, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equilibrium import warn_of_rest, warn_of_rest_limits
 from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
@@ -27,6 +27,7 @@ from supple.simulation.turned_machine import (
     equations_turned_on,
     refuse_other_speeds,
     refuse_turning_bushings,
+    turning_bodies,
 )
 
 __all__ = ["linearize", "linearize_in_space"]
@@ -147,7 +148,7 @@ def _linearized(
     if spin is not None and spin.rate:
         what, change = _change(found, linear, spin)
         if change > CONSTANT or is_asked_in_space:
-            refusal = _refusal(what, change) if change > CONSTANT else _NOT_IN_SPACE
+            refusal = _refusal(found, spin, what, change) if change > CONSTANT else _NOT_IN_SPACE
             if sparse is not None:
                 raise ModelError(refusal)
             standing = in_standing_axes(found, time, spin, refusal)
@@ -213,13 +214,20 @@ def _change(found: RestingState, linear: LinearMachine, spin: Spin) -> tuple[str
     return max(largest.items(), key=lambda item: item[1])
 
 
-def _refusal(what: str, change: float) -> str:
+def _refusal(found: RestingState, spin: Spin, what: str, change: float) -> str:
+    held = next((joint for joint in found.system.joints if GROUND in (joint.first, joint.second)), None)
+    hub = ""
+    if what == "joints" and held is not None and turning_bodies(found, spin).all():
+        hub = (
+            f". All bodies rotate, and joint '{held.name}' connects one to the ground: if there is a hub, "
+            "make it a rigid body, driven by a joint about the axis of the spin, and connect the joint to it"
+        )
     return (
         f"the linear equations change as the machine rotates by {_TURNED_ON:g} rad (the {what} by "
         f"{change:.2g} of its size), and neither standing axes nor Floquet theory apply. Remove what "
         "causes the change: gravity or loads normal to the axis, unbalance of rotors, controllers, full "
         "bodies, or joints whose free motions depend on the angle; or list the rotating bodies, "
-        "Spin(bodies=..)"
+        f"Spin(bodies=..){hub}"
     )
 
 
