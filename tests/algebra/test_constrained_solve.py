@@ -74,6 +74,18 @@ def test_a_held_body_with_and_without_constraints(small_truss, solver, relative_
     assert relative_error(mu, mu_exact) < 1e-10
 
 
+def test_all_freedoms_can_be_given(small_truss, relative_error):
+    """`x = c` and `mu = b - K c`; without values `x` is rounding."""
+    K = small_truss.stiffness
+    n = K.shape[0]
+    rows = held_nodes(small_truss, range(n // 3)) @ np.linalg.qr(K.toarray() + 1e9 * np.eye(n))[0]
+    rng = np.random.default_rng(0)
+    b, x = 1e5 * rng.standard_normal((n, 2)), 0.1 * rng.standard_normal((n, 2))
+    found, mu = constrained_factor(K, rows, small_truss.rigid_modes).solve_with_multipliers(b, rows @ x)
+    assert relative_error(found, x) < 1e-10
+    assert relative_error(rows.T @ mu, b - K @ x) < 1e-10
+
+
 def test_mean_axis_multipliers_are_the_rigid_acceleration(truss, relative_error):
     # K x + M R a = b with R^T K = 0: a = (R^T M R)^-1 R^T b, inertia relief.
     R, D = truss.rigid_modes, (truss.mass @ truss.rigid_modes).T

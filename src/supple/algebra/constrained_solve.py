@@ -280,6 +280,8 @@ def _check_equilibrium(factor: ConstrainedFactor) -> None:
     energy = x @ internal + factor.grounded.spring_stiffness @ x[factor.grounded.springs] ** 2
     reach = np.sqrt(np.einsum("ij,ji->i", D, factor._response) * max(energy, 0.0))
     missed = float(np.max(np.abs(D @ x) / np.where(reach > 0, reach, 1.0), initial=0.0))
+    if len(D) == factor.n:  # everything is held: x is rounding, and has no size to compare with
+        missed = 0.0
     if not max(residual, missed) < LARGEST_RESIDUAL:
         raise AccuracyError(
             f"the constrained solution violates equilibrium by {residual:.1e} and its constraint by "
