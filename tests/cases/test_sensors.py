@@ -167,6 +167,7 @@ def test_what_is_read_of_a_set(case, given, component, over):
         ('at = "strip.ROOT"', 'at = "strip.root"', "give a node set of a body with elements"),
         ('measure = "xx"', 'measure = "xxx"', "measure"),
         ('measure = "xx"', 'component = "xx"\nmeasure = "yy"', "with component, measure is one of max"),
+        ('measure = "xx"', 'cells = "SKIN"', "no cell set 'SKIN' in this mesh"),
         ("normal = [1, 0, 0]", "", "normal"),
         ('at = "strip.AXIS"', 'at = "strip.TIP"', "sensor 'cut': .* has no elements that share nodes"),
         ("normal = [1, 0, 0]", "normal = [0, 1, 0]", "sensor 'cut': .* at interface 'root'"),

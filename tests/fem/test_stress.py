@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from supple.errors import ModelError
+from supple.errors import MeshError, ModelError
 from supple.fem import (
     HomogeneousSection,
     Isotropic,
@@ -14,6 +14,8 @@ from supple.fem import (
     finite_element_model,
     has_stress,
     has_stress_on_faces,
+    model_of_cells,
+    node_of_several_walls,
     shell_model,
     solid_model,
     strain_recovery,
@@ -175,6 +177,28 @@ def test_plates_at_a_right_angle_keep_the_sides_of_their_own_normals():
     for turned in (wall, np.array(wall)[:, ::-1]):
         assert not turned_over(nodes, np.concatenate([floor, turned])).any()
     assert turned_over(nodes, np.array([*floor, [0, 3, 5], [0, 4, 5]])).sum() == 1
+
+
+def test_the_stress_of_one_of_two_walls_that_meet_is_that_of_its_cell_set():
+    """A skin is stretched by 0.1 % along x, and a rib across it is not: E / 1000 and 0."""
+    nodes = np.array([[x, y, 0.0] for x in (0, 1, 2) for y in (0, 1)] + [[1, 0, -1], [1, 1, -1]], dtype=float)
+    skin = [[0, 2, 1], [2, 3, 1], [2, 4, 3], [4, 5, 3]]
+    walls = Mesh(
+        nodes,
+        {CellType.TRIANGLE3: np.array([*skin, [2, 3, 6], [3, 7, 6]])},
+        cell_sets={"skin": {CellType.TRIANGLE3: range(4)}, "rib": {CellType.TRIANGLE3: [4, 5]}},
+    )
+    model = shell_model(walls, HomogeneousSection(Isotropic(7e10, 0.0, 2700.0), 0.01))
+    displacement = np.zeros((8, 6))
+    displacement[:, 0] = 1e-3 * nodes[:, 0]
+    own = stress_recovery(model_of_cells(model, "skin")).at_nodes(displacement.ravel())
+    assert own[[0, 2, 3], 1, 0] == pytest.approx(7e7, rel=1e-3)
+    rib = stress_recovery(model_of_cells(model, "rib")).at_nodes(displacement.ravel())
+    assert rib[2, 1, 0] == pytest.approx(0.0, abs=1e3)
+    assert node_of_several_walls(model, np.array([0, 3, 7])) == 3
+    assert node_of_several_walls(model, np.array([0, 7])) is None
+    with pytest.raises(MeshError, match="no cell set 'spar'"):
+        model_of_cells(model, "spar")
 
 
 def test_a_laminate_has_no_stress_of_its_own():

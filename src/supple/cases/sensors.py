@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
 from supple import quantities
@@ -12,8 +14,8 @@ from supple.cases.body_kinds import at_elements
 from supple.cases.shared_rules import InterfaceOf, PlaceOf, joint_names, usable_names
 from supple.cases.stated_error import OF_STRESS
 from supple.cases.table import Key, Made, OneOf, table_of
-from supple.errors import ModelError
-from supple.fem import FiniteElementModel
+from supple.errors import ModelError, SuppleWarning
+from supple.fem import FiniteElementModel, model_of_cells, node_of_several_walls
 from supple.importers.toml import Mistakes, Raw, tables, unknown
 from supple.machine import At, ForceElement, as_end
 from supple.storage.dataset_labels import name_taken_in_hdf5
@@ -65,6 +67,9 @@ class TensorSensor(SensorTable):
         "max",
         description="over the nodes of the set: largest magnitude, mean, or the node nearest the centroid",
     )
+    cells: str | None = Field(
+        None, description="cell set whose elements alone are averaged at a node; default: all at the node"
+    )
 
     def build(self, *context: Any) -> quantities.Quantity:
         """The sensor."""
@@ -79,7 +84,22 @@ class TensorSensor(SensorTable):
         component = self.component or (self.measure if self.measure not in _OVER else "von-mises")
         measure = _MEASURES.get(component) or quantities.Component(component)
         over = _OVER.get(self.measure, quantities.Maximum())
-        return made(self.name, body, case.elements[body], nodes, measure, over)
+        return made(self.name, body, self._elements(case.elements[body], nodes), nodes, measure, over)
+
+    def _elements(self, model: FiniteElementModel, nodes: Sequence[int]) -> FiniteElementModel:
+        """The elements whose stress is averaged at the nodes."""
+        if self.cells is not None:
+            return model_of_cells(model, self.cells)
+        if (node := node_of_several_walls(model, np.asarray(nodes))) is not None:
+            sets = ", ".join(f"'{name}'" for name in model.mesh.cell_sets)
+            warnings.warn(
+                f"sensor '{self.name}': at node {model.mesh.node_ids[node]} shells meet at an angle, and the "
+                "mean of their stresses is the stress of none of them. Name the cell set of one wall, "
+                f"cells = .. ({sets or 'the mesh has none'})",
+                SuppleWarning,
+                stacklevel=2,
+            )
+        return model
 
 
 _OVER: Mapping[str, quantities.OverNodes] = {

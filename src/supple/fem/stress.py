@@ -30,7 +30,7 @@ from supple.fem.section_stress import (
 )
 from supple.fem.shell_section import LaminateSection
 from supple.mesh import CellType
-from supple.mesh.facet_curvature import turned_over
+from supple.mesh.facet_curvature import SMOOTH, turned_over
 
 __all__ = [
     "StressLayers",
@@ -41,6 +41,8 @@ __all__ = [
     "cells_without_stress",
     "has_stress",
     "has_stress_on_faces",
+    "model_of_cells",
+    "node_of_several_walls",
     "strain_recovery",
     "stress_layers",
     "stress_recovery",
@@ -292,6 +294,37 @@ def has_stress_on_faces(model: FiniteElementModel) -> NDArray[np.bool_]:
         if section.cell_type is not CellType.LINE2 and states_stress(section):
             found[section.nodes(model.mesh)] = True
     return found
+
+
+def model_of_cells(model: FiniteElementModel, cell_set: str) -> FiniteElementModel:
+    """The model with the stress of the elements in one cell set alone, for sensors where walls meet.
+
+    Its mass and stiffness are still those of all elements.
+    Raises MeshError for a cell set that the mesh does not have.
+    """
+    chosen = model.mesh.cells_of(cell_set)
+    own = [np.flatnonzero(np.isin(each.cells, chosen.get(each.cell_type, ()))) for each in model.sections]
+    kept = [section.of(some) for section, some in zip(model.sections, own, strict=True) if len(some)]
+    return replace(model, sections=tuple(kept))
+
+
+def node_of_several_walls(model: FiniteElementModel, nodes: NDArray[np.int64]) -> int | None:
+    """The first of some nodes at which shells with stress meet at more than 60 degrees; None without one."""
+    shells = [
+        section
+        for section in model.sections
+        if section.cell_type is CellType.TRIANGLE3 and states_stress(section)
+    ]
+    triangles = np.concatenate([np.empty((0, 3), int), *(section.nodes(model.mesh) for section in shells)])
+    triangles = triangles[np.isin(triangles, nodes).any(axis=1)]
+    corners = model.mesh.nodes[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    for node in nodes:
+        own = normals[(triangles == node).any(axis=1)]
+        if (abs(own @ own.T) < np.cos(SMOOTH)).any():
+            return int(node)
+    return None
 
 
 def cells_without_stress(model: FiniteElementModel) -> int:
