@@ -11,7 +11,7 @@ from fixtures.beam_bodies import rectangle
 from fixtures.beam_lines import beam_line, straight
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
-from supple.errors import ModelError
+from supple.errors import ModelError, SuppleWarning
 from supple.export import write_readings
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import Solution, Statistics
@@ -144,6 +144,23 @@ def test_an_intrinsic_body_carries_the_elastica():
     assert moment[1] == pytest.approx(-10.0 * arm[0], abs=0.01)
     assert rotations[station] @ force == pytest.approx([0.0, 0.0, 10.0], abs=10.0 * 0.12)
     assert sensor.channels(system)[0].axes == "axes of the section of beam"
+
+
+@pytest.mark.parametrize("n_modes", [None, 2])
+def test_section_forces_of_few_modes_are_warned_of(n_modes):
+    """Each section carries the force at the tip; two modes give less than half of it near the tip."""
+    line = beam_line(straight(1.0, 8), EA=1e6, EI=1.0, GJ=1.0, mass_per_length=1.0, radius=0.01)
+    body = intrinsic_body(line, CLAMPED, n_modes, stations={"last": 7})
+    clamp = Fixed(first="ground", second="beam.root")
+    system = System([body], [clamp], [DeadForce(at="beam.tip", force=(0, 0, 0.1))])
+    solution = equilibrium(system).solution
+    sensor = SectionForceSensor("last", Place("beam", "last"), (1.0, 0, 0))
+    if n_modes is None:
+        assert np.linalg.norm(read(system, solution, sensor)[0, :3]) == pytest.approx(0.1, rel=1e-3)
+        return
+    with pytest.warns(SuppleWarning, match="keeps .* of its 48 modes: its section forces are inaccurate"):
+        force = read(system, solution, sensor)[0, :3]
+    assert np.linalg.norm(force) < 0.05
 
 
 def test_what_has_no_section_forces_is_refused():

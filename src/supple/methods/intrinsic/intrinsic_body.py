@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -21,7 +22,7 @@ from supple.body.interface import UntiedInterface, interface_named
 from supple.body.mass_properties import centre_of_gram
 from supple.body.point_motion import InterfaceMotion, NodeMotion, frames_near
 from supple.body.sections import CuttingPlane, Sections
-from supple.errors import ModelError
+from supple.errors import ModelError, SuppleWarning
 from supple.fem import FiniteElementModel
 from supple.integrate.motion import Motion
 from supple.machine import Placed
@@ -355,10 +356,20 @@ def _section_loads(body: IntrinsicBody, motion: Motion, plane: CuttingPlane) -> 
     These are the section forces of the segment cut by the plane, with the moment about the point of the
     plane. If the plane contains a station, they are the mean of both adjacent segments.
 
+    Warns SuppleWarning if the body keeps some of its modes only.
+
     Raises
     ------
     ModelError   a plane that cuts no segment, or several
     """
+    if body.complete is not None:
+        warnings.warn(
+            f"body '{body.name}' keeps {body.n_coordinates} of its {body.complete.n_coordinates} modes: its "
+            "section forces are inaccurate near concentrated loads and free ends, even if its positions are "
+            "accurate. Keep all modes (omit their number), or compare with more modes",
+            SuppleWarning,
+            stacklevel=2,
+        )
     found = []
     for segment, sense in _cut_segments(body, plane):
         loads = sense * body.section_loads(motion)[:, segment]
