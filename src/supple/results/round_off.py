@@ -21,4 +21,4 @@ def without_noise(values: ArrayLike, like: ArrayLike | None = None) -> NDArray[n
         np.abs(numbers).max(initial=0.0),
         0.0 if like is None else float(np.abs(np.asarray(like)).max(initial=0.0)),
     )
-    return np.where(np.abs(numbers) < ROUND_OFF * scale, 0.0, numbers)
+    return np.where(np.abs(numbers) <= ROUND_OFF * scale, 0.0, numbers)
