@@ -157,10 +157,11 @@ def test_first_order_tetrahedra_get_mid_edge_nodes(tmp_path):
 
 
 def test_the_clamped_set_has_an_extent_and_the_tracked_one_is_apart(tmp_path):
-    """A node cannot clamp a solid, and a set of the clamped nodes does not move."""
+    """A node cannot clamp a solid; a set of the clamped nodes does not move, a set near them moves little."""
     cube = block(1.0, 1.0, 1.0, 2, 2, 2, CellType.HEXA8)
     root = cube.nodes_of("root")
-    sets = {"corner": cube.nodes_of("tip")[:1], "root": root, "again": root[:3]}
+    near = np.flatnonzero(cube.nodes[:, 0] == 0.5)[:2]
+    sets = {"corner": cube.nodes_of("tip")[:1], "root": root, "again": root[:3], "near": near}
     (tmp_path / "cube.inp").write_text(abaqus_text(replace(cube, node_sets=sets)))
     cases.write_new_case(tmp_path / "cube.inp", tmp_path / "cube.toml")
     case = read_case(tmp_path / "cube.toml")

@@ -98,7 +98,7 @@ class _Model:
     spans : sizes along the principal axes, the longest first
     sets : names of the sets for supports or output, with fewer than half of the nodes
     root : the first of them with three nodes or more, or the first; None without sets
-    tracked : the last of them that has no node of `root`; None if there is none
+    tracked : the farthest from `root` of those without a node of `root`; None if there is none
     ends : names of one set at each end of a slender body; None if its mesh is too coarse for stations
     stations : their number, for a body with `ends`
     kind : `solid` or `shell`; `nastran` or `abaqus` where the file has properties; `section_table`
@@ -165,9 +165,16 @@ def _model(nodes: np.ndarray, node_sets: Mapping[str, np.ndarray], kind: str) ->
     stations = _stations(along[:, 0]) if longest >= SLENDER * second else 0
     ends = _ends(along[:, 0], sets) if stations else None
     root = next((name for name, own in sets.items() if len(own) > 2), next(iter(sets), None))
-    apart = [name for name, own in sets.items() if root and not np.isin(own, sets[root]).any()]
-    tracked = apart[-1] if apart else None
+    tracked = None if root is None else _farthest(nodes, sets, root)
     return _Model((longest, second, third), list(sets), root, tracked, ends, stations, kind)
+
+
+def _farthest(nodes: np.ndarray, sets: Mapping[str, np.ndarray], root: str) -> str | None:
+    """The set without a node of `root` that is farthest from it."""
+    centre = nodes[sets[root]].mean(axis=0)
+    apart = [name for name, own in sets.items() if not np.isin(own, sets[root]).any()]
+    away = [float(np.linalg.norm(nodes[sets[name]].mean(axis=0) - centre)) for name in apart]
+    return apart[int(np.argmax(away))] if apart else None
 
 
 def _stations(along: np.ndarray) -> int:
