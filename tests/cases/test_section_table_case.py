@@ -81,6 +81,16 @@ def test_the_body_is_the_line_of_its_sections(blade):
     assert {"flange": 0, "middle": 4, "end": 8}.items() <= dict(body.stations).items()
 
 
+def test_it_is_drawn_as_beams_between_its_stations(blade):
+    case = read_case(blade())
+    drawn = case.drawn["blade"]
+    np.testing.assert_allclose(drawn.mesh.nodes, case.system.bodies[0].body.nodes, atol=1e-12)
+    (cells,) = drawn.mesh.cells.values()
+    assert len(cells) == 8
+    with pytest.raises(CaseError, match="no body with elements to colour"):
+        _ = read_case(blade(("pictures = false", 'colour = "von-mises"'))).system
+
+
 @pytest.mark.slow
 def test_it_comes_to_rest_where_its_flexibility_says(blade, tmp_path):
     result = run_case(read_case(blade()), tmp_path / "out", errors=False)

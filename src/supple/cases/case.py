@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from supple.arrays import IntArray
-from supple.body import BodyForm, BodySource, FlexibleBody, FullBody
-from supple.cases.bodies import checked_line
+from supple.body import BodyForm, BodySource, FlexibleBody, FullBody, section_beams
+from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables, files_named, places_named
 from supple.cases.control import check_code_allowed, controllers_of
@@ -25,6 +25,7 @@ from supple.cases.stated_error import OfInterest
 from supple.error import ErrorStudy, ReductionStart
 from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, cells_without_stress, stress_recovery
+from supple.importers import read_section_table
 from supple.importers.toml import KeyPath, LineIndex, listed_mistakes, nearest_hint
 from supple.integrate import Run
 from supple.machine import At, ForceElement, NodalLoad, SplitBody, System
@@ -379,7 +380,9 @@ class Case:
         Elements instead of the mesh if the body has beams, or cells without stress, which are drawn plain.
         """
         found: dict[str, Mesh | FiniteElementModel | None] = {
-            table.name: None for table in self.parts.body if table.name not in self.meshes
+            table.name: self._beams_of_line(table)
+            for table in self.parts.body
+            if table.name not in self.meshes
         }
         for name, mesh in self.meshes.items():
             model = self.elements.get(name)
@@ -388,6 +391,13 @@ class Case:
             elif any(kind.dimension > 1 for kind in mesh.cells):
                 found[name] = mesh
         return found
+
+    def _beams_of_line(self, body: Body) -> FiniteElementModel | None:
+        """Beams between the stations of a line from a section table, to draw them; None for other bodies."""
+        stations = None if body.condense is None else body.condense.stations
+        if body.section_table is None or stations is None:
+            return None
+        return section_beams(read_section_table(self.folder / body.section_table), stations - 1)
 
     @property
     def page_looks(self) -> Mapping[str, Mesh | FiniteElementModel]:
@@ -415,7 +425,7 @@ class Case:
         Beam bodies without stress recovery points are drawn in plain colour if other bodies have stress.
         """
         mistakes, beams = [], []
-        shown = [name for name, look in self.drawn.items() if look is not None]
+        shown = [name for name, look in self.drawn.items() if look is not None and name in self.elements]
         for name in shown:
             try:
                 stress_recovery(self.elements[name])
