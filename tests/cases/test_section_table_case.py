@@ -87,6 +87,8 @@ def test_it_is_drawn_as_beams_between_its_stations(blade):
     np.testing.assert_allclose(drawn.mesh.nodes, case.system.bodies[0].body.nodes, atol=1e-12)
     (cells,) = drawn.mesh.cells.values()
     assert len(cells) == 8
+    assert case.exported_meshes["blade"] is drawn.mesh
+    assert not case.meshes
     with pytest.raises(CaseError, match="no body with elements to colour"):
         _ = read_case(blade(("pictures = false", 'colour = "von-mises"'))).system
 

@@ -404,6 +404,13 @@ class Case:
         """Geometry of the bodies in a report, as in pictures, but with lines for beams of unknown section."""
         return {**self.meshes, **{name: look for name, look in self.drawn.items() if look is not None}}
 
+    @property
+    def exported_meshes(self) -> Mapping[str, Mesh]:
+        """Meshes in files for ParaView: also the beams between the stations of a line."""
+        lines = {name: look for name, look in self.drawn.items() if name not in self.meshes}
+        beams = {name: look.mesh for name, look in lines.items() if isinstance(look, FiniteElementModel)}
+        return {**self.meshes, **beams}
+
     def coloured_elements(self, system: System) -> Mapping[str, FiniteElementModel] | None:
         """Elements whose stress colours bodies; None unless the case selects it or a body has no frame."""
         framed = all(placed.body.has_frame for placed in system.bodies)

@@ -125,9 +125,9 @@ def _write_picture(
     }
     if suffix == ".vtu":
         (instant,) = run
-        write_vtu(target, found.system, instant, case.meshes, **of_picture)
+        write_vtu(target, found.system, instant, case.exported_meshes, **of_picture)
     else:
-        write_vtkhdf(target, found.system, run, case.meshes, **of_picture)
+        write_vtkhdf(target, found.system, run, case.exported_meshes, **of_picture)
 
 
 def _with_stress(
@@ -165,5 +165,5 @@ def export_mode(path: Path, target: Path, options: ExportOptions) -> None:
         system, motion = mode_case(case, options.mode, time=options.time or 0.0)
         write, shown = (write_vtu, motion.at(slice(1))) if suffix == ".vtu" else (write_vtkhdf, motion)
         bodies = case.names_in_machine(options.body or ()) or None
-        write(target, system, shown, case.meshes, bodies=bodies, bases=case.bases, units=case.units)
+        write(target, system, shown, case.exported_meshes, bodies=bodies, bases=case.bases, units=case.units)
     say(f"mode {options.mode} written to {target}")
