@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fixtures.beam_bodies import beam_body
 from scipy import linalg
 
+from supple.body import MeanAxisFrame
 from supple.errors import ModelError
-from supple.reduction import Guyan, NoDerivatives, NoLoads, reduce
+from supple.reduction import CraigBampton, Guyan, NoDerivatives, NoLoads, reduce
 from supple.reduction.bases.interface_columns import motion_rows
 
 
@@ -43,3 +45,14 @@ def test_modes_of_the_carried_interface_are_not_formed_but_named(strip_body, fra
 def test_body_without_interfaces_is_refused(loose_body, mean_axis):
     with pytest.raises(ModelError, match="constraint modes needs interfaces, but body 'strip' has none"):
         Guyan().build(loose_body, mean_axis)
+
+
+def test_a_body_whose_interfaces_hold_all_its_freedoms():
+    """One beam with both nodes as interfaces: its free-body frequencies are those of its matrices."""
+    body = beam_body("root", "tip", n=1)
+    with pytest.raises(ModelError, match=r"has 0 modes .* keep at most 0, or use the basis \"guyan\""):
+        reduce(body, MeanAxisFrame(), CraigBampton(2), derivatives=NoDerivatives(), loads=NoLoads)
+    small = reduce(body, MeanAxisFrame(), Guyan(), derivatives=NoDerivatives(), loads=NoLoads)
+    assert small.r == 6
+    exact = linalg.eigh(body.stiffness.toarray(), body.mass.toarray(), eigvals_only=True)[6:]
+    assert small.frequencies == pytest.approx(np.sqrt(exact), rel=1e-6)

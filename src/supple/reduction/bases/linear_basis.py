@@ -145,5 +145,6 @@ def check_mode_count(body: FlexibleBody, n_modes: int, n_fixed: int) -> None:
     if not 0 <= n_modes <= available:
         raise ModelError(
             f"n_modes = {n_modes}, but body '{body.name}' has {available} modes "
-            f"({body.n} freedoms, {n_fixed} of them fixed)"
+            f"({body.n} freedoms, {n_fixed} of them fixed); keep at most {available}"
+            + ("" if available else ', or use the basis "guyan", which has static columns alone')
         )
