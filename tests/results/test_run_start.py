@@ -6,9 +6,20 @@ import numpy as np
 import pytest
 
 from supple.integrate import FixedStep, Run
-from supple.machine import GROUND, At, ConstantRate, Fixed, Placed, PrescribedRotation, System
+from supple.machine import (
+    GROUND,
+    At,
+    ConstantRate,
+    Fixed,
+    FollowerForce,
+    Penalty,
+    Placed,
+    PrescribedRotation,
+    SphereOnPlane,
+    System,
+)
 from supple.results import summarize
-from supple.results.run_start import first_swing, start_lines
+from supple.results.run_start import _held, first_swing, start_lines
 from supple.simulation import equilibrium, simulate
 
 pytestmark = pytest.mark.filterwarnings("ignore::supple.errors.ResolutionWarning")
@@ -38,6 +49,17 @@ def test_a_strip_that_begins_to_hang_swings_and_one_at_rest_does_not(clamped_bla
     assert 'start at rest: start = "equilibrium"' in line
     found = equilibrium(system).system
     assert list(start_lines(summarize(found, simulate(found, run)))) == []
+
+
+def test_a_body_that_is_not_held_does_not_swing_from_gravity(rod):
+    """Its joints lead to the ground through another body; contacts of moving bodies are impacts."""
+    bars = [rod("bar", 1.0), rod("other", 1.0), rod("free", 1.0)]
+    joints = [Fixed(first="other.left", second="bar.left"), Fixed(first="ground", second="other.right")]
+    stiff, origin = Penalty(stiffness=1e5), (0.0, 0.0, 0.0)
+    wheel = SphereOnPlane(first="free.left", axis=(0, 0, 1), anchor=origin, penalty=stiff)
+    system = System(bars, joints, [wheel, FollowerForce(first="free.right", force=(0, 0, 1))])
+    assert _held(system, is_moving=True) == {"ground", "bar", "other"}
+    assert _held(system, is_moving=False) == {"ground", "bar", "other", "free"}
 
 
 def test_bodies_that_take_the_velocity_of_their_drive_are_named(rod):

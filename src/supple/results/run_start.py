@@ -9,7 +9,8 @@ import numpy as np
 
 from supple.equations.start_change import velocities_taken
 from supple.integrate import FramedMotion, Solution
-from supple.machine import System
+from supple.machine import GROUND, ForceElement, System
+from supple.machine.forces.sphere_contact import SphereContact
 from supple.results.run_tables import Numbers
 
 FALLEN = 0.7
@@ -24,10 +25,11 @@ def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
         return {"velocities taken": [], "swings from gravity": {}}
     motions = [solution.motion(placed.body.name, FramedMotion) for placed in system.bodies]
     moving = np.array([[*motion.velocity[0], *motion.angular_velocity[0]] for motion in motions])
-    swings = {}
+    swings, held = {}, _held(system, is_moving=bool(moving.any()))
     for placed, motion in zip(system.bodies, motions, strict=True):
         sizes = np.linalg.norm(motion.coordinates, axis=1)
-        if system.gravity.any() and not sizes[0] and (found := first_swing(sizes)):
+        hangs = system.gravity.any() and placed.body.name in held and not sizes[0]
+        if hangs and (found := first_swing(sizes)):
             share, row = found
             swings[placed.body.name] = {"share of largest": share, "at time": float(solution.times[row])}
     return {
@@ -37,6 +39,22 @@ def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
         ],
         "swings from gravity": swings,
     }
+
+
+def _held(system: System, *, is_moving: bool) -> set[str]:
+    """Bodies connected to the ground: gravity does not deform a free body, such as an aircraft in flight.
+
+    is_moving : whether bodies move at the start; contacts then begin with an impact, and do not count
+    """
+    elements = [load for load in system.loads if isinstance(load, ForceElement)]
+    parts: list[Any] = [*system.joints, *(each for each in elements if not each.acts_on_first_alone)]
+    if is_moving:
+        parts = [each for each in parts if not isinstance(each, SphereContact)]
+    links = [{each.first.body, each.second.body} for each in parts]
+    found = {GROUND.body}
+    while more := [link for link in links if link & found and not link <= found]:
+        found.update(*more)
+    return found
 
 
 def first_swing(sizes: np.ndarray) -> tuple[float, int] | None:
