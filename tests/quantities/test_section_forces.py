@@ -89,19 +89,21 @@ def test_a_section_through_one_kind_of_element_of_several():
             CellType.LINE2: np.column_stack([np.arange(n), np.arange(1, n + 1)]),
             CellType.TRIANGLE3: np.array([[n, n + 1, n + 2]]),
         },
-        node_sets={"root": [0], "tip": [n]},
+        node_sets={"root": [0], "tip": [n], "mid": [n // 2]},
         cell_sets={"beam": {CellType.LINE2: range(n)}, "plate": {CellType.TRIANGLE3: [0]}},
     )
     model = shell_model(plate, {"beam": rectangle(0.1, 0.3), "plate": HomogeneousSection(STEEL, 0.01)})
-    body = flexible_body("beam", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
+    body = flexible_body("beam", model, [RigidInterface(name, name) for name in ("root", "tip", "mid")])
     system = System(
         (Placed(FullBody(body, NodalFixedFrame("root"))),),
         (Fixed(name="clamp", first=GROUND, second=At("beam", "root")),),
         (DeadForce(body="beam", at="tip", force=(0.0, 0.0, -0.01)),),
     )
-    sensor = SectionForceSensor("mid", Place("beam", (n // 2,)), (1.0, 0, 0), model)
-    seen = read(system, equilibrium(system).solution, sensor)[0]
-    assert seen == pytest.approx([0.0, 0.0, -0.01, 0.0, 0.005, 0.0], abs=1e-7)
+    solution = equilibrium(system).solution
+    for place in ((n // 2,), "mid"):
+        sensor = SectionForceSensor("mid", Place("beam", place), (1.0, 0, 0), model)
+        seen = read(system, solution, sensor)[0]
+        assert seen == pytest.approx([0.0, 0.0, -0.01, 0.0, 0.005, 0.0], abs=1e-7)
 
 
 @pytest.mark.slow

@@ -101,7 +101,7 @@ def section_loads(
 
     model : from which the body, reduced or full, was made
     Raises ModelError for a model with other nodes; a plane without elements on both sides that share nodes; a
-    plane at a rigid interface or tie; a motion without floating frame.
+    plane at a rigid interface of several nodes, or at a tie; a motion without floating frame.
     """
     layer = _layer(body, model, plane)
     coordinates = motion.of_type(FloatingMotion).coordinates
@@ -151,7 +151,7 @@ def _layer(body: BodyForm, model: FiniteElementModel, plane: CuttingPlane) -> _L
 
 def _refuse_tied(body: BodyForm, pieces: Sequence[RigidPiece], around: NDArray[np.integer]) -> None:
     for interface in body.interfaces:
-        if np.isin(interface.tied_nodes, around).any():
+        if len(interface.tied_nodes) > 1 and np.isin(interface.tied_nodes, around).any():
             raise ModelError(
                 f"body '{body.name}': the section is at interface '{interface.name}', whose nodes move "
                 "as one. Move it by an element, or use the force of the joint there"
