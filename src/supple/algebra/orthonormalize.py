@@ -41,8 +41,8 @@ def mass_orthonormalize(
     ----------
     vectors         : array (n, k)          any column scales; earlier columns have precedence
     mass            : sparse array (n, n)   symmetric positive definite
-    reference_norms : array (k,)            M-norms of the columns before an earlier projection; by default
-                                            their present norms
+    reference_norms : array (k,)            M-norms with which remainders are compared, such as those before a
+                                            projection of the columns; by default the M-norms of `vectors`
     Returns
     -------
     OrthonormalBasis   .vectors (n, r), .kept (r,), .dropped (k - r,) column numbers, ascending
@@ -75,7 +75,7 @@ def mass_orthonormalize(
         remaining = float(np.sqrt(max(column @ mass_column, 0.0)))
         if remaining * norms[j] <= rank_tolerance * reference[j]:
             continue
-        # Repeated after scaling, which amplifies the round-off of a column that lost digits.
+        # Project again: the scaling of a short remainder also enlarges its components along earlier columns.
         column /= remaining
         column -= basis[:, :rank] @ (mass_basis[:, :rank].T @ column)
         mass_column = mass @ column

@@ -60,7 +60,7 @@ def smaller_rotations(frame: Frame | None) -> str:
     """
     split = (
         "split the body (split = { parts = 2 } in a case file, split_body in Python), or condense a slender "
-        "one to stations along its length (condense = { .. }, or condense in Python)"
+        "body to stations along its length (condense = { .. }, or condense in Python)"
     )
     return split if isinstance(frame, MeanAxisFrame) else f"choose a mean-axis frame, or {split}"
 

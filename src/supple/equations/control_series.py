@@ -22,14 +22,14 @@ def series_name(controller: str) -> str:
 
 
 def control_series(model: Model, motion: SystemMotion, control: ControlState | None) -> dict[str, FloatArray]:
-    """Outputs (t, c) of each controller by `series_name`; c values in the order of its driven elements.
+    """Outputs (t, c) of each controller, by `series_name`; the c values are in the order of its `drives`.
 
-    motion, control : stacked, leading axis: time; None without controllers
+    motion, control : states at t times, stacked along the first axis; `control` is None without controllers
     """
     if control is None:
         return {}
     n = len(np.asarray(motion.time))
-    # The length becomes a power of two: for other lengths the program would be compiled again.
+    # Padded to a power of two: the program is compiled again for each new length.
     more = (1 << (n - 1).bit_length()) - n if n else 1
 
     def padded(leaf: np.ndarray) -> np.ndarray:
@@ -41,7 +41,7 @@ def control_series(model: Model, motion: SystemMotion, control: ControlState | N
 
 
 def added_to_law(system: System, solution: Solution, element: ForceElement) -> FloatArray | None:
-    """Outputs (t, ..) that a controller adds to the law of an element; None if none drives the element.
+    """Outputs (t, ..) that a controller adds to the law of an element; None if no controller drives it.
 
     Raises ModelError for a solution without the outputs.
     """
@@ -53,8 +53,8 @@ def added_to_law(system: System, solution: Solution, element: ForceElement) -> F
                 name = series_name(own.name)
                 if name not in solution.series:
                     raise ModelError(
-                        f"{element.label} is driven by controller '{own.name}', whose outputs this solution "
-                        "lacks: simulate the machine"
+                        f"{element.label} is driven by controller '{own.name}', but this solution does not "
+                        "contain the outputs of this controller: simulate the machine"
                     )
                 return solution.series[name][:, first:after].reshape(-1, *each.value_shape)
             first = after

@@ -1,27 +1,27 @@
 """Error of a run caused by the kinematics of the model, at the motion of the run.
 
-Elements that rotate relative to their body's frame, and rigid interfaces that rotate with them, have spurious
-strains of third order in the rotation. At the times of the largest rotations, two forces of the elements are
-compared: f, and f_turned in corotational axes (`turned_force`). One Newton step of the whole system gives the
-resulting change of the motion,
+If elements or rigid interfaces rotate relative to the frame of their body, the elements have spurious strains
+of third order in the rotation. At the times of the largest rotations, two internal forces of the elements are
+compared: f of the model, and f_turned with exact rotations of elements and ties (`turned_force`). One Newton
+step of the whole system gives the resulting change of the motion,
 
     K_t delta = - ( f_turned(q) - f(q) ),
 
-with joints and frames constrained as for the motion outside a basis. q is the run's motion plus quasi-static
-motion outside its basis (`missing_motion`). In the run's own motion, elements may be compressed, because the
-basis cannot relax the compression; K_t would be nearly singular there. For a strip of 1 m, bent by a quarter
-of its length, the estimate would then be 5 mm instead of 0.1 mm. The estimate is quasi-static. It does not
-include changed frequencies, which affect the phase of long vibrations, nor the discretisation error of the
-mesh.
+with the tangent K_t, and the constraints of joints and frames (`residual_correction`). q is the run's motion
+plus the quasi-static motion that the basis lacks (`missing_motion`). Without this addition, elements may be
+compressed, because the basis cannot relax the compression, and K_t may be nearly singular. For a strip of
+1 m, bent by a quarter of its length, the estimate would be 5 mm instead of 0.1 mm. The estimate is
+quasi-static. It does not include changed frequencies, which affect the phase of long vibrations, nor the
+discretisation error of the mesh.
 
 A body without elements, and any body of a machine with controllers, is assessed by its rotation limit: the
 relative error of a deflection is about 2e-3 at the `rotation_limit` (strips of h/t = 10) and grows with the
 third power of the rotation.
 
-A condensed body has no rotation limit. Its error is that of deflections under its weight, because its
-stations carry the mass of its elements (`condense`): second order in the length of the segments. Forces at
-stations cause no such error. Deformations of the sections by large bending are not included. The error of a
-line that is not condensed from elements is unknown.
+A body condensed to a line (`condense`) has no rotation limit. Its mass is lumped at the stations, and its
+error is the resulting error of deflections under its weight, of second order in the length of the segments.
+Forces at stations cause no such error. Deformations of the sections by large bending are not included. The
+error of a line that is not condensed from elements is unknown.
 
 A linear body is compared with the body before linearisation, whose quadratic strains include the shortening
 by bending and the membrane stiffening. If the body bends by more than its thickness, its linear motion has a
@@ -29,8 +29,9 @@ large residual from stretching alone. For a plate 4 mm thick, with nodes displac
 would be 0.3 m instead of 0.14 mm. The linear motion is therefore corrected to second order first; Newton's
 method continues from the result (`MissingMotionSearch`). Without elements or with controllers, the error of a
 linear body is theta^2 / 2 of its length L, with theta its largest rotation. Where rotations are unknown,
-theta = 3 u / (2 L), that of a cantilever with the same end displacement u. A linear body lacks centrifugal
-stiffness, (spin / lowest frequency)^2 of its elastic stiffness; this fraction of the displacement is added.
+theta = 3 u / (2 L), that of a cantilever with the same end displacement u. A linear body also lacks the
+centrifugal stiffness. Its ratio to the elastic stiffness is taken as (spin / lowest frequency)^2, at most 1,
+and this fraction of the displacement is added to the error.
 """
 
 from __future__ import annotations
@@ -108,7 +109,7 @@ def model_errors(
 
 
 def _is_known(quantity: QuantityOfInterest, system: System) -> bool:
-    """Whether the error of the body of a quantity is known; without a body, those of all elastic bodies."""
+    """Whether the error is known of the quantity's body or, if it has none, of all elastic bodies."""
     bodies = [placed.body for placed in system.bodies if placed.body.n_coordinates]
     own = [body for body in bodies if body.name == quantity.body]
     return all(body.lumping_error is not None for body in own or bodies)
@@ -145,7 +146,7 @@ def _with_exact_rotations(
     parts: int,
     progress: Progress | None,
 ) -> _Changes:
-    """Quasi-static change of the motion if elements rotate exactly, at the largest rotations."""
+    """Quasi-static changes, at the times of the largest rotations, if elements and ties rotate exactly."""
     instants = widest_instants(system, solution, parts)
     seen = expanded_states(system, fulls, bases, solution, instants)
     search = MissingMotionSearch(seen.prepared, seen.by_position)
@@ -189,9 +190,9 @@ def _spurious(body: FlexibleBody, q: np.ndarray) -> np.ndarray:
 
 
 def _second_order(body: FlexibleBody, q: np.ndarray) -> np.ndarray:
-    """Even part (f(q) + f(-q)) / 2 (n,) of the internal forces: a bent body shortens under it.
+    """Even part (f(q) + f(-q)) / 2 (n,) of the internal forces, which shortens a bent body.
 
-    Linear motion stretches the body as it bends; Newton's method started there may diverge.
+    Linear motion stretches a body that bends; Newton's method may diverge from such a motion.
     """
     return (body.force.internal_force(q) + body.force.internal_force(-q)) / 2
 

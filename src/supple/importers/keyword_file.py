@@ -20,7 +20,7 @@ from supple.importers.plain_number import is_finite_number, is_integer, is_plain
 class KeywordBlock:
     """One keyword, its options, and the data lines below it; `line` is an index of `KeywordFile.lines`.
 
-    Names of options have no blanks, because both programs ignore them (`REF NODE` and `REFNODE` are equal).
+    Names of options are stored without blanks, which both programs ignore (`REF NODE` is `REFNODE`).
 
     blank : for each blank data line, the number of data lines above it
     """
@@ -33,7 +33,7 @@ class KeywordBlock:
 
     @property
     def placed_data(self) -> list[tuple[int, str]]:
-        """The data lines with the blank ones between them, which keep the places of the lines below."""
+        """The data lines, with the blank lines above them as empty texts; thus every line keeps its place."""
         made, blank = [], Counter(self.blank)
         for i, (line, text) in enumerate(self.data):
             made += [*blank[i] * [(line, "")], (line, text)]
@@ -70,7 +70,7 @@ class KeywordFile:
 
 @dataclass(frozen=True)
 class IntegerRows:
-    """Integers of a block's data, each with its line and whether it is the first of the line."""
+    """Integers of a block's data, the line index of each, and whether it is the first of its line."""
 
     values: IntArray
     lines: IntArray
@@ -129,7 +129,10 @@ def integers(file: KeywordFile, block: KeywordBlock) -> IntegerRows:
 
 
 def numbered_points(file: KeywordFile, block: KeywordBlock) -> tuple[IntArray, FloatArray, IntArray]:
-    """Ids, positions and lines of a block of lines `id, x, y, z`; ImportFormatError names any other line."""
+    """Ids (N,), positions (N, 3) and line indices (N,) of data lines `id, x, y, z`.
+
+    Raises ImportFormatError, with its place, for any other line.
+    """
     rows = [fields(text) for _, text in block.data]
     lines = np.array([i for i, _ in block.data], dtype=np.int64)
     for i, row in zip(lines, rows, strict=True):
@@ -173,8 +176,8 @@ def _expanded(
 ) -> list[tuple[Path, int, str]]:
     """Lines of a file without comments, with included files inserted; blank data lines have no text.
 
-    main : folder of the main file, in which both programs search; here a file beside the including file takes
-        precedence
+    main : folder of the main file. Both programs search included files in this folder; here the folder of the
+        including file is searched first
     """
     found = []
     for number, line in enumerate(lines, start=1):

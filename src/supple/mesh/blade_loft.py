@@ -170,7 +170,7 @@ def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: Floa
             f"(aft) on a chord of {chord[k]:g}; both must lie between {NARROWEST_PANEL} and "
             f"{1 - NARROWEST_PANEL}: shorten the webs, or move them nearer to the pitch axis"
         )
-    # Where there are no webs, as at a slender tip, the limit keeps nose panel and aft panel from vanishing.
+    # At rings without webs, as at a slender tip, nose panel and aft panel have at least NARROWEST_PANEL.
     fore, aft = np.maximum(fore, NARROWEST_PANEL), np.minimum(aft, 1 - NARROWEST_PANEL)
     y = stations.shapes(span)
     x = np.broadcast_to(SHAPE_POINTS, y.shape)
@@ -200,7 +200,7 @@ def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: Floa
 
 
 def _parts(n_cells: int) -> FloatArray:
-    """Positions of the cells' first nodes in 0 .. 1."""
+    """Positions (n_cells,) of the first nodes of equal cells on the interval from 0 to 1."""
     return np.arange(n_cells) / n_cells
 
 

@@ -20,13 +20,14 @@ __all__ = ["ControlSensor", "control_sensors"]
 
 @dataclass(frozen=True)
 class ControlSensor:
-    """Outputs of a controller, which add to the laws of the elements that it drives, (t, c).
+    """Outputs (t, c) of a controller, without the values of the laws to which they are added.
 
-    Outputs of a sampled controller at a sample time are those before its call. The torque of a driven element
-    is that of `SpringForceSensor`.
+    At a sample time the outputs of a sampled controller are those before its call. `SpringForceSensor`
+    returns the total force and moment of a driven element.
 
     controller : name of the controller
-    Raises ModelError for an unknown controller, and for a solution without its outputs, as at rest.
+    Raises ModelError for an unknown controller, or for a solution without outputs of controllers, such as an
+    equilibrium.
     """
 
     name: str
@@ -36,7 +37,7 @@ class ControlSensor:
         check_fields(self)
 
     def channels(self, system: System) -> Sequence[Channel]:
-        """One per driven element, by its name; if its law has several values, they are numbered from 1."""
+        """One for each value, named as in `drives`; several values of an element are numbered from 1."""
         return tuple(
             Channel(name if not each.value_shape else f"{name}.{number + 1}", QuantityKind.NUMBER, "")
             for name, each in self._found(system).drives.items()
@@ -63,6 +64,6 @@ class ControlSensor:
 
 
 def control_sensors(system: System, solution: Solution) -> list[ControlSensor]:
-    """Sensors of all controllers whose outputs a solution has, by names of their series."""
+    """Sensors of all controllers whose outputs are in a solution, named as their series."""
     named = {series_name(each.name): each.name for each in system.controllers}
     return [ControlSensor(name, own) for name, own in named.items() if name in solution.series]

@@ -105,8 +105,8 @@ def write_sweep_report(
     If the sweep file has seeds, `conditions.html` shows the statistics over them.
 
     The cases with the most extremes are simulated again, and their reports are written to `cases/`, unless
-    these reports exist. The page links the extremes to all reports in that folder. Returns the path of the
-    page.
+    these reports exist. The page has links from the extremes to the reports in that folder. Returns the path
+    of `sweep.html`.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
 
 
 def _columns_of_errors(columns: SweepColumns, errors: FloatArray) -> dict[str, FloatArray | list[str]]:
-    """Columns of estimated errors, of their ratios to allowed errors, and of reasons if these differ."""
+    """Columns of estimated and allowed errors and their ratios; reasons for no estimate, if they differ."""
     allowed, reasons = columns.of_cases("allowed_error"), columns.of_cases("no_estimate")
     unit = columns.plan.units.length or ""
     found: dict[str, FloatArray | list[str]] = {}
@@ -208,7 +208,7 @@ def _columns_of_errors(columns: SweepColumns, errors: FloatArray) -> dict[str, F
         found = {labelled("estimated error", unit): errors, "runs": columns.runs.astype(float)}
     if not np.isnan(ratios := _ratios(errors, allowed)).all():
         found |= {labelled("allowed error", unit): allowed, "estimated / allowed": ratios}
-    # A reason common to all cases is shown above the table.
+    # A reason that all cases have in common is shown above the table.
     return found | ({"why no estimate": reasons.tolist()} if len(set(reasons)) > 1 else {})
 
 
@@ -263,8 +263,8 @@ def _lifetime(columns: SweepColumns) -> Iterator[PageSection]:
     asked = fatigue.lifetime
     lines = [
         f"Lifetime of {asked.duration:g} {columns.plan.units.time}; the wind speeds of the cases "
-        f"({asked.speed}) cover {100 * covered:.3g} % of it. Ranges are for {asked.cycles:g} cycles; failure "
-        "is at damage 1."
+        f"({asked.speed}) cover {100 * covered:.3g} % of this lifetime. Damage-equivalent ranges are for "
+        f"{asked.cycles:g} cycles; failure is at damage 1."
     ]
     rows = [
         (name, unit, *(f"{value:.4g}" if np.isfinite(value) else "" for value in own))

@@ -108,7 +108,7 @@ def test_rotation_beyond_the_kinematics(floating_blade):
     )
     assert "mean-axis frame" not in message, "it has one"
     assert "Split the body (split = { parts = 2 } in a case file, split_body in Python)" in message
-    assert "condense a slender one" in message
+    assert "condense a slender body" in message
     on_its_root = replace(floating_blade, frame=NodalFixedFrame("root"))
     (message,) = messages(on_its_root, too_far)
     assert "Choose a mean-axis frame, or split the body" in message

@@ -25,7 +25,7 @@ _CALLS = {
     "custom_vjp_call": "call_jaxpr",
     "custom_vmap_call": "call",
 }
-"""Primitives that only call a program, and the parameter that holds it."""
+"""For each primitive that only calls a program, the name of the parameter that contains the program."""
 
 _CONTROL = {"while", "cond", "scan"}
 
@@ -67,7 +67,7 @@ class Program:
 
 
 def program_of(closed: core.ClosedJaxpr) -> Program:
-    """The operations of a traced program, with calls inlined and operations that no output needs removed."""
+    """The operations of a traced program that its outputs depend on, with calls inlined."""
     numbers, shapes = count(), {}
     operations: list[ArrayOperation] = []
 
@@ -123,7 +123,7 @@ def _needed(operations: Sequence[ArrayOperation], outputs: Sequence[Atom]) -> tu
 
 
 def with_known(program: Program, known: dict[int, np.ndarray]) -> Program:
-    """The program with some inputs replaced by constants; operations on constants are computed now."""
+    """The program with some inputs replaced by constants; operations on constants are replaced by results."""
     found: set[int] = set(known)
     first, rest = [], []
     for each in program.operations:

@@ -69,9 +69,9 @@ def write_linear_fmu(
 ) -> Path:
     """Write a linear machine as an FMU for co-simulation; returns the path.
 
-    Arguments and errors as for `write_fmu`. The libraries are those built with the package, for the given
-    platforms, or for all platforms by default. If a given platform is missing, or the package has no
-    libraries, they are compiled as in `write_fmu`.
+    Arguments and errors as for `write_fmu`, except that `platforms` are by default all those for which the
+    package contains a prebuilt library. If it contains none, or none for one of the given platforms, all
+    libraries are compiled as in `write_fmu`.
 
     The libraries read the matrices from `resources/linear.bin`. This file has the token and little-endian
     doubles: the number 1 (version of this format); the numbers of states, inputs and outputs; start time and

@@ -1,9 +1,9 @@
-"""Jumps and turning points of a law of time whose kinks are unknown, found by sampling.
+"""Jumps and turning points of a law of time, found by sampling.
 
 A law given as a Python function is evaluated at about 17 000 equally spaced times of the run, or at fewer if
 it has many values. Intervals in which the values change most are divided repeatedly, until a jump is located.
-A pulse has a turning point. A time step ends there, so that the integration does not miss the pulse, and step
-control shortens the next steps. A feature shorter than the sampling interval can be missed.
+Time steps end at turning points, so that the integration does not miss a pulse, and step control shortens the
+next steps. A feature shorter than the sampling interval can be missed.
 """
 
 from __future__ import annotations
@@ -29,12 +29,13 @@ DIVISIONS, ROUNDS = 32, 5
 """Parts into which an interval is divided, and number of divisions: a jump is located to 32^-5 of a sampling
 interval."""
 JUMPS = 1e-4
-"""Smallest change that is a jump, in the interval of the last division, relative to the range of the law."""
+"""Smallest change of a jump, over its interval after the last division, relative to the range of the law."""
 TURNS = 1e-3
-"""A turning point is ignored if the values change by less than this fraction of the range of the law up to
-the turning points before and after it."""
+"""A turning point is ignored if both changes of value, from the turning point before it and to the one after
+it, are less than this fraction of the range of the law."""
 MOST_TURNS = 512
-"""Largest number of turning points; of a law with more, none is used: time steps do not miss so many."""
+"""Largest number of turning points that end time steps. If a law has more, none of them ends a step; the
+ordinary time steps do not miss so many."""
 
 _OfTime = Callable[[jax.Array], jax.Array]
 
@@ -111,7 +112,7 @@ def sampled_instants(law: _OfTime, begin: float, end: float) -> np.ndarray:
     n = min(N_SAMPLES, MOST_NUMBERS // n_values)
     times = np.linspace(begin, end, max(n, 2) + 1)
 
-    # Many components are replaced by three random combinations, which change with every component.
+    # More than three components are replaced by three random linear combinations of all components.
     mix = np.random.default_rng(0).standard_normal((n_values, 3))
 
     def of_times(at: np.ndarray) -> np.ndarray:

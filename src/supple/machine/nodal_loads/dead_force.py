@@ -72,7 +72,7 @@ class DeadForce(NodalLoad):
 
     @property
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """(3,): one force for all nodes or for the interface; (k, 3): one force per node."""
+        """(3,): the force on the interface, or on each node alike; (k, 3): one force per node."""
         return ((3,),) if isinstance(self.at, str) else ((3,), (len(self.nodes), 3))
 
     @staticmethod
