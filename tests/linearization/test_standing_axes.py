@@ -316,12 +316,9 @@ def test_floquet_finds_what_axes_that_stand_do(monkeypatch):
 def test_multi_blade_coordinates_of_many_blades_have_the_derivatives_of_their_waves():
     """Of 90 blades waves of up to 44 around: more than 64 angles of a turn hold."""
     number, order = 90, 44
-    columns = standing_axes.BodyColumns([slice(i, i + 1) for i in range(number)], [])
     fine = 3 * number
     angles = 2 * np.pi * np.arange(fine) / fine
-    waves = standing_axes._Coordinates.of_fine(
-        standing_axes._multi_blade(columns, [list(range(number))], angles), 10
-    )
+    waves = standing_axes._Coordinates.of_fine(standing_axes._waves(number, angles), 10)
     at = angles[:: fine // 10, None] + 2 * np.pi * np.arange(number) / number
     np.testing.assert_allclose(waves.second[:, :, 2 * order - 1], -(order**2) * np.cos(order * at), atol=1e-8)
 
