@@ -67,7 +67,7 @@ NOT_OF_A_RUN = (
 )
 COUNTED = f"""
 import sys
-import supple.cli.main, supple.cli.run_case
+import supple.cli.main, supple.cli.computed_case
 print(len(sys.modules), *[name for name in {NOT_OF_A_RUN} if name in sys.modules])
 """
 
