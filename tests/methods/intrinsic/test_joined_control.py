@@ -142,9 +142,9 @@ def test_a_controlled_run_with_few_modes_has_no_truncation_error():
     machine = System([few], [HINGE], controllers=[own])
     solution = Solution(np.zeros(1), {}, {}, Statistics(), multipliers={"hinge": np.zeros((1, 5))})
     assert not report_truncation(machine, RUN, solution).truncation
-    with pytest.raises(ModelError, match=r"controller 'servo'.*forces of controllers are not stored"):
+    with pytest.raises(ModelError, match=r"controller 'servo'.*the forces of controllers is not computed"):
         truncation_error(machine, solution)
-    with pytest.raises(ModelError, match="forces of controllers are not stored"):
+    with pytest.raises(ModelError, match="the forces of controllers is not computed"):
         enough_modes(machine, lambda _: solution, tolerance=1e-2)
 
 

@@ -217,12 +217,12 @@ _centres = CachedProgram(_centres_of_lines, STARTING)
 
 
 def check_without_controllers(system: System) -> None:
-    """Raise ModelError for a machine with controllers: their forces during a run are not stored."""
+    """Raise ModelError for a machine with controllers: the response to their forces is not computed."""
     if system.controllers:
         raise ModelError(
             f"controller '{system.controllers[0].name}': the truncation error of machines with controllers "
-            "cannot be estimated, because the forces of controllers are not stored: compare with a run with "
-            "more modes"
+            "is not estimated, because the response to the forces of controllers is not computed: compare "
+            "with a run with more modes"
         )
 
 
