@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from fixtures.arm_on_a_hub import write_machine
 from fixtures.systems_of_units import POWERS, SYSTEMS
-from matplotlib.figure import Figure
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 from typer.testing import CliRunner
 
@@ -47,7 +47,7 @@ class Drawn:
         self.legends = {}
 
     def hear(self, figure, target):
-        figure.draw_without_rendering()
+        figure.canvas.draw()
         picture = target.name.removeprefix(".").partition(".png")[0]
         self.legends[picture] = [text.get_text() for each in figure.legends for text in each.get_texts()]
         for number, axes in enumerate(figure.axes):
@@ -83,7 +83,9 @@ def drawn(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patched:
         for name, said in SYSTEMS.items():
             one = found[name] = Drawn(UnitSystem.stated(said))
-            patched.setattr(Figure, "savefig", lambda self, target, one=one, **_: one.hear(self, target))
+            patched.setattr(
+                FigureCanvasAgg, "print_png", lambda self, target, one=one: one.hear(self.figure, target)
+            )
             path = write_machine(tmp_path_factory.mktemp("units") / "case", said, steps=4, pictures=True)
             done = CliRunner().invoke(app, ["run", str(path), "-o", str(path.parent / "out")])
             assert done.exit_code == 0, done.output

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 from fixtures.systems_of_units import POWERS, SYSTEMS
-from matplotlib.figure import Figure
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
 from supple.cases import read_case, run_case
@@ -108,15 +108,15 @@ def test_a_machine_does_not_know_its_units(runs):
 def texts_of_pictures(path, monkeypatch):
     """The words of every picture of a run, without the numbers on their axes."""
     seen = {}
-    save = Figure.savefig
+    save = FigureCanvasAgg.print_png
 
-    def hear(self, target, **settings):
-        save(self, target, **settings)
-        found = {text.get_text() for text in self.findobj(Text)}
+    def hear(self, target):
+        save(self, target)
+        found = {text.get_text() for text in self.figure.findobj(Text)}
         seen[str(target)] = sorted(each for each in found if re.search("[A-Za-z]", each))
 
     with monkeypatch.context() as patched:
-        patched.setattr(Figure, "savefig", hear)
+        patched.setattr(FigureCanvasAgg, "print_png", hear)
         case = read_case(path)
         result = run_case(case, path.parent / "out")
     return case, result, [line for lines in seen.values() for line in lines]
