@@ -6,7 +6,6 @@ program that calls a command may redirect them. Library code logs to "supple" an
 
 from __future__ import annotations
 
-import gc
 import io
 import logging
 import os
@@ -220,9 +219,6 @@ def reported_errors(*, debug: bool) -> Iterator[None]:
     An error raised by supple or the operating system, or a lack of memory, gives the exit code `MISTAKE`. Any
     other error is a fault of supple (exit code `FAULT`), and the message states this.
     """
-    if not gc.isenabled():  # what was imported stays; no collection needs to visit it
-        gc.freeze()
-        gc.enable()
     try:
         with shown_log():
             yield

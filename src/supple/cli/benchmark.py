@@ -47,7 +47,7 @@ class BenchmarkGroup(TyperGroup):
                     f"several packages have a benchmark '{cmd_name}': {' and '.join(offered)}; uninstall all "
                     "of them but one"
                 )
-        gc.enable()  # a benchmark of another package need not use `reported_errors`
+        gc.enable()  # `reported` enables it for the other commands
         single = typer.Typer(add_completion=False, rich_markup_mode=None)
         single.command(cmd_name)(benchmark.load())
         return typer.main.get_command(single)

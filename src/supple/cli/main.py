@@ -6,6 +6,7 @@ import gc
 from collections.abc import Callable
 from dataclasses import fields
 from functools import wraps
+from importlib import import_module
 from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
@@ -79,7 +80,7 @@ _DEBUG = Parameter(
 
 def main() -> None:
     """Entry point of the command."""
-    gc.disable()  # imports make hardly any garbage; `reported_errors` enables the collection after them
+    gc.disable()  # imports make hardly any garbage; `reported` enables the collection after them
     show_any_character()
     show_progress(False)  # commands draw their own progress bars
     app()
@@ -91,17 +92,27 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-def reported(command: Callable[..., None]) -> Callable[..., None]:
-    """Decorator: a command with the option --debug, whose errors and warnings are printed."""
+def reported(module: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Decorator: a command with the option --debug, whose errors and warnings are printed.
 
-    @wraps(command)
-    def called(*, debug: bool, **given: Any) -> None:
-        with reported_errors(debug=debug), reported_warnings():
-            command(**given)
+    module : that of the command, imported before the collection of garbage, which skips what is imported
+    """
 
-    own = signature(command, eval_str=True).parameters.values()
-    vars(called)["__signature__"] = Signature([*own, _DEBUG])
-    return called
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def called(*, debug: bool, **given: Any) -> None:
+            with reported_errors(debug=debug), reported_warnings():
+                import_module(module)
+                if not gc.isenabled():
+                    gc.freeze()
+                    gc.enable()
+                command(**given)
+
+        own = signature(command, eval_str=True).parameters.values()
+        vars(called)["__signature__"] = Signature([*own, _DEBUG])
+        return called
+
+    return decorate
 
 
 def with_options(kind: type[ExportOptions]) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -135,7 +146,7 @@ def _options(
 
 
 @app.command()
-@reported
+@reported("supple.cli.computed_case")
 def run(
     case: CaseFile,
     output: Folder = None,
@@ -163,7 +174,7 @@ def run(
 
 
 @sweep_app.command("run", hidden=True)
-@reported
+@reported("supple.cli.sweep")
 def sweep(
     path: Annotated[
         Path,
@@ -207,7 +218,7 @@ def sweep(
 
 
 @sweep_app.command("status")
-@reported
+@reported("supple.cli.sweep")
 def sweep_status(folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")]) -> None:
     """Print the progress of a sweep; exit codes as for the sweep."""
     from supple.cli.sweep import print_status
@@ -216,7 +227,7 @@ def sweep_status(folder: Annotated[Path, typer.Argument(help="Folder of a sweep.
 
 
 @sweep_app.command("page")
-@reported
+@reported("supple.cli.sweep")
 def sweep_page(
     folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")],
     reports: Annotated[
@@ -236,7 +247,7 @@ def sweep_page(
 
 
 @app.command()
-@reported
+@reported("supple.cli.computed_case")
 def reduce(case: CaseFile, output: Folder = None) -> None:
     """Reduce the bodies of a case file; write each to an HDF5 file, which cases read by reduced = "FILE"."""
     from supple.cli.computed_case import reduce_case
@@ -245,7 +256,7 @@ def reduce(case: CaseFile, output: Folder = None) -> None:
 
 
 @app.command()
-@reported
+@reported("supple.cli.computed_case")
 def static(
     case: CaseFile,
     output: Folder = None,
@@ -263,7 +274,7 @@ def static(
 
 
 @app.command()
-@reported
+@reported("supple.cli.computed_case")
 def modes(
     case: CaseFile,
     output: Folder = None,
@@ -291,7 +302,7 @@ def modes(
 
 
 @app.command()
-@reported
+@reported("supple.cases")
 @with_options(ExportOptions)
 def export(
     path: Annotated[Path, typer.Argument(help="Result of a run (.h5), or a case file (.toml).")],
@@ -321,7 +332,7 @@ def export(
 
 
 @app.command()
-@reported
+@reported("supple.cli.info")
 def info(
     path: Annotated[
         Path,
@@ -347,7 +358,7 @@ def info(
 
 
 @app.command()
-@reported
+@reported("supple.cli.check")
 def check(
     path: Annotated[
         Path, typer.Argument(help="Case (.toml), Nastran model (.bdf ..) or HDF5 matrices (.h5).")
@@ -361,7 +372,7 @@ def check(
 
 
 @app.command()
-@reported
+@reported("supple.cases")
 def example(
     name: Annotated[
         str | None, typer.Argument(help="Name of an example; default: list all examples.")
@@ -385,7 +396,7 @@ def example(
 
 
 @app.command()
-@reported
+@reported("supple.cases")
 def new(
     mesh: Annotated[
         Path,
