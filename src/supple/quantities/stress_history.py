@@ -170,6 +170,7 @@ def nodes_with_stress(recovery: StressRecovery) -> IntArray:
 
 
 def has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:
+    """Whether the stress of a body follows from stress modes."""
     return body.has_stress_modes
 
 

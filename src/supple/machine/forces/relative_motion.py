@@ -54,6 +54,31 @@ def force_pair(first: Pose, second: Pose, force: jax.Array, moment: jax.Array) -
     return Wrench(-force, -moment - jnp.cross(arm, force)), Wrench(force, moment)
 
 
+class LineMotion(NamedTuple):
+    """Relative motion of two points along the line between them."""
+
+    length: jax.Array
+    """Distance of the points"""
+    rate: jax.Array
+    """Rate of the distance"""
+    direction: jax.Array
+    """(3,) unit vector from the first point to the second, global"""
+
+
+def line_motion(first: Pose, second: Pose) -> LineMotion:
+    """Motion of the second point relative to the first along their line; the points must not coincide."""
+    between = second.point - first.point
+    length = jnp.sqrt(between @ between)
+    direction = between / length
+    return LineMotion(length, direction @ (second.velocity - first.velocity), direction)
+
+
+def tension_pair(motion: LineMotion, tension: jax.Array) -> tuple[Wrench, Wrench]:
+    """Forces that pull the two points together, or push them apart if the tension is negative."""
+    force = tension * motion.direction
+    return Wrench(force, jnp.zeros(3)), Wrench(-force, jnp.zeros(3))
+
+
 def wrapped(angle: jax.Array) -> jax.Array:
     """The angle reduced to (-pi, pi] by whole revolutions."""
     return angle - 2 * jnp.pi * jnp.ceil((angle - jnp.pi) / (2 * jnp.pi))

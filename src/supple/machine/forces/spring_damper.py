@@ -11,7 +11,8 @@ import numpy as np
 
 from supple.arguments import NotNegative
 from supple.machine.forces.force_element import AnchoredElement
-from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
+from supple.machine.forces.relative_motion import line_motion, tension_pair
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["SpringDamper"]
 
@@ -44,12 +45,8 @@ class SpringDamper(AnchoredElement):
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Equal and opposite forces along the line."""
         stiffness, damping, rest_length = parameters
-        between = second.point - first.point
-        length = jnp.sqrt(between @ between)
-        direction = between / length
-        rate = direction @ (second.velocity - first.velocity)
-        force = (stiffness * (length - rest_length) + damping * rate) * direction
-        return Wrench(force, jnp.zeros(3)), Wrench(-force, jnp.zeros(3))
+        motion = line_motion(first, second)
+        return tension_pair(motion, stiffness * (motion.length - rest_length) + damping * motion.rate)
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004

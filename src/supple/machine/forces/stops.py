@@ -12,8 +12,15 @@ import numpy as np
 from supple.errors import ModelError
 from supple.machine.forces.force_element import AnchoredElement, AxialElement, ForceElement
 from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
-from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
-from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
+from supple.machine.forces.relative_motion import (
+    axial_motion,
+    force_pair,
+    line_motion,
+    moment_pair,
+    tension_pair,
+    wrapped,
+)
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["AngleStop", "DistanceStop", "SlideStop"]
 
@@ -111,12 +118,8 @@ class DistanceStop(_Stop, AnchoredElement):
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Equal and opposite forces along the line."""
-        between = second.point - first.point
-        length = jnp.sqrt(between @ between)
-        direction = between / length
-        rate = direction @ (second.velocity - first.velocity)
-        force = _push(length, rate, parameters) * direction
-        return Wrench(-force, jnp.zeros(3)), Wrench(force, jnp.zeros(3))
+        motion = line_motion(first, second)
+        return tension_pair(motion, -_push(motion.length, motion.rate, parameters))
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004

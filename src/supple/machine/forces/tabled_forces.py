@@ -12,8 +12,15 @@ from jax.typing import ArrayLike
 
 from supple.machine.forces.characteristic import Surface, surface_at
 from supple.machine.forces.force_element import AnchoredElement, AxialElement
-from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
-from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
+from supple.machine.forces.relative_motion import (
+    axial_motion,
+    force_pair,
+    line_motion,
+    moment_pair,
+    tension_pair,
+    wrapped,
+)
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["TabledForce", "TabledTension", "TabledTorque"]
 
@@ -90,9 +97,5 @@ class TabledTension(AnchoredElement):
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Equal and opposite forces along the line."""
-        between = second.point - first.point
-        length = jnp.sqrt(between @ between)
-        direction = between / length
-        rate = direction @ (second.velocity - first.velocity)
-        force = surface_at(length, rate, parameters) * direction
-        return Wrench(force, jnp.zeros(3)), Wrench(-force, jnp.zeros(3))
+        motion = line_motion(first, second)
+        return tension_pair(motion, surface_at(motion.length, motion.rate, parameters))
